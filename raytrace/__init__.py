@@ -1,0 +1,23 @@
+"""raytrace: the vectorized reference implementation of a real-time graphics course's ray tracer."""
+
+from raytrace.errors import InputError
+from raytrace.rendering import render
+from raytrace.scene import (
+    Checkerboard,
+    Film,
+    MatrixCamera,
+    OrthographicCamera,
+    PerspectiveCamera,
+    Plain,
+    Plane,
+    Scene,
+    Sky,
+    Spheres,
+    Sun,
+    check_scene,
+    load_scene,
+    save_scene,
+    scenes,
+    sun_angles,
+    sun_direction,
+)

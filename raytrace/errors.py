@@ -1,0 +1,21 @@
+"""The one error that a user can cause."""
+
+import difflib
+from collections.abc import Iterable
+
+__all__ = ["InputError", "did_you_mean"]
+
+
+class InputError(ValueError):
+    """Something that was asked for cannot be: one line of what, where, and what would be right.
+
+    The command line prints the line and exits with 2.
+    """
+
+
+def did_you_mean(found: str, names: Iterable[str], what: str) -> str:
+    """The end of a message about a name that is not among `names`: the nearest one, and all, called `what`."""
+    names = list(names)
+    near = difflib.get_close_matches(str(found), names, n=1)
+    guess = f"did you mean '{near[0]}'? " if near else ""
+    return f"{guess}{what}: {', '.join(names)}"

@@ -1,0 +1,157 @@
+"""From a scene to an image: `render`, and `Rendering` for images that are written while they are rendered."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from raytrace.backends import BACKENDS, renderer
+from raytrace.errors import InputError, did_you_mean
+from raytrace.scene.check import check_scene, is_traced
+from raytrace.scene.data import Scene, concrete
+from raytrace.scene.toml import load_scene
+from raytrace.shader.main import COMPONENTS
+from raytrace.shader.pixel import Frame
+from raytrace.shader.sphere import INTERSECTIONS
+from raytrace.uniforms import program_of, uniforms_of
+
+__all__ = ["Rendering", "render"]
+
+#: The steps that each output is made of.
+OUTPUTS = {"display": ("display",), "linear": ("linear",), "steps": tuple(COMPONENTS)}
+
+LARGEST_SIDE = 65536
+MOST_SAMPLES = 64
+
+#: Pixels of a band of an image that is written while it is rendered.
+BAND = 1 << 22
+
+
+class Rendering:
+    """A scene and all choices made for its image, checked; rendered as a whole or in bands.
+
+    Takes what `render` takes and raises what it raises.
+    """
+
+    def __init__(
+        self,
+        scene: Scene | str | Path = "checkerboard",
+        size: tuple[int, int] = (1920, 1080),
+        *,
+        backend: str = "jax",
+        dtype: str = "float32",
+        samples: int = 1,
+        output: str = "display",
+        intersection: str | None = None,
+        exact_inputs: bool = False,
+    ):
+        _check(size, backend, dtype, samples, output, intersection)
+        scene = scene if isinstance(scene, Scene) else load_scene(scene)
+        if is_traced(scene):
+            if backend != "jax":
+                raise InputError(f"backend {backend}: the scene is traced by JAX, which only backend 'jax' can render")
+        else:
+            check_scene(scene)
+            scene = concrete(scene)
+        if intersection is None:
+            intersection = "robust" if dtype == "float32" else "textbook"
+        self.scene, self.backend, self.dtype, self.output = scene, backend, dtype, output
+        self.frame = Frame(*map(int, size), samples=int(samples))
+        self.renderer = renderer(
+            backend,
+            uniforms_of(scene, self.frame.width / self.frame.height),
+            program_of(scene, intersection),
+            self.frame,
+            OUTPUTS[output],
+            dtype,
+            exact_inputs,
+        )
+
+    def whole(self) -> Any:
+        """The image, or the dict of steps."""
+        return self._result(self.renderer.draw(0, self.frame.height))
+
+    @property
+    def band_height(self) -> int:
+        """Rows of each band but the last."""
+        return min(self.frame.height, max(1, BAND // (self.frame.width * self.frame.samples**2)))
+
+    def compile(self) -> None:
+        """Prepares for `bands`, so that the time that they take is the time of rendering."""
+        self.renderer.compile(self.band_height)
+
+    def bands(self) -> Iterator[Any]:
+        """The image from the top down, in bands of rows."""
+        for first in range(0, self.frame.height, self.band_height):
+            images = self.renderer.draw(first, self.band_height)
+            rows = min(self.band_height, self.frame.height - first)
+            yield self._result({name: image[:rows] for name, image in images.items()})
+
+    def _result(self, images: dict[str, Any]) -> Any:
+        return images if self.output == "steps" else images[self.output]
+
+
+def render(
+    scene: Scene | str | Path = "checkerboard",
+    size: tuple[int, int] = (1920, 1080),
+    *,
+    backend: str = "jax",
+    dtype: str = "float32",
+    samples: int = 1,
+    output: str = "display",
+    intersection: str | None = None,
+    exact_inputs: bool = False,
+) -> Any:
+    """The image of a scene, of shape (height, width, 3), row 0 at the top.
+
+    scene: a `Scene`, concrete or traced by JAX; a built-in's name; or a scene file's path.
+    size: (width, height) in pixels.
+    backend: "jax" or "numpy".
+    dtype: "float32" or "float64"; with NumPy also "longdouble".
+    samples: n for the mean, in linear light, of an n x n grid of samples a pixel, at (k + 1/2) / n.
+    output: "display" for values in [0, 1]; "linear" for what the film is given, HDR; "steps" for a dict of every
+        step of the shader by the assignment's name (`raytrace.shader.Steps`), arrays (height, width) or
+        (height, width, components).
+    intersection: "textbook", the assignment's formula, or "robust"; by default robust in float32 only.
+    exact_inputs: carry the scene's numbers in `dtype` as they are, instead of rounding each once to float32, which
+        is what a GPU is given.
+
+    JAX gives JAX arrays, but NumPy's for float64 while x64 mode is off; NumPy gives NumPy's.
+
+    Raises:
+        InputError: an argument or a value of the scene is wrong; float64 is asked of a JAX trace without x64.
+    """
+    return Rendering(
+        scene,
+        size,
+        backend=backend,
+        dtype=dtype,
+        samples=samples,
+        output=output,
+        intersection=intersection,
+        exact_inputs=exact_inputs,
+    ).whole()
+
+
+def _check(
+    size: Any, backend: str, dtype: str, samples: int, output: str, intersection: str | None
+) -> None:
+    sides = isinstance(size, tuple | list) and len(size) == 2 and all(isinstance(side, int | np.integer) for side in size)
+    if not sides or not all(1 <= side <= LARGEST_SIDE for side in size):
+        raise InputError(f"size: must be (width, height), each from 1 to {LARGEST_SIDE} pixels, found {size!r}")
+    _choice("backend", backend, BACKENDS)
+    _choice(f"dtype of backend {backend}", dtype, BACKENDS[backend].dtypes)
+    _choice("output", output, OUTPUTS)
+    if intersection is not None:
+        _choice("intersection", intersection, INTERSECTIONS)
+    if not isinstance(samples, int | np.integer) or isinstance(samples, bool) or not 1 <= samples <= MOST_SAMPLES:
+        raise InputError(f"samples: must be a whole number from 1 to {MOST_SAMPLES}, found {samples!r}")
+    if samples > 1 and output == "steps":
+        raise InputError(f"samples: output 'steps' is of one sample a pixel, found {samples}")
+
+
+def _choice(what: str, found: Any, allowed: Any) -> None:
+    if found not in allowed:
+        raise InputError(f"{what}: unknown {found!r}; {did_you_mean(found, allowed, 'there is')}")

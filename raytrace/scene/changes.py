@@ -1,0 +1,61 @@
+"""Changes to a scene's document from the command line: ``sun.direction=[0, 1, 0]``."""
+
+import re
+import tomllib
+
+from raytrace.errors import InputError
+
+__all__ = ["change"]
+
+_PART = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)((?:\[\d+\])*)")
+
+
+def change(document: dict, setting: str) -> None:
+    """Sets one value of `document`: `setting` is ``path=value`` with a TOML value or a bare word.
+
+    Raises:
+        InputError: the setting has no ``=`` or no path, or the path leads through something that is not there.
+    """
+    path, equals, text = setting.partition("=")
+    path = path.strip()
+    parts = _parts(path)
+    if not equals or not parts:
+        raise InputError(f"--set {setting}: must be key=value, such as sun.direction=[0,1,0]")
+    place = document
+    for part, following in zip(parts, parts[1:], strict=False):
+        if isinstance(part, str) and isinstance(place, dict):
+            place = place.setdefault(part, {}) if isinstance(following, str) else place.get(part)
+        else:
+            place = _item(place, part)
+        if not isinstance(place, dict | list):
+            raise InputError(f"--set {setting}: the scene has no {path} to set")
+    last = parts[-1]
+    if isinstance(last, int):
+        if _item(place, last) is None:
+            raise InputError(f"--set {setting}: the scene has no {path} to set")
+    elif not isinstance(place, dict):
+        raise InputError(f"--set {setting}: the scene has no {path} to set")
+    place[last] = _value(text.strip())
+
+
+def _item(place: object, index: str | int) -> object:
+    return place[index] if isinstance(place, list) and isinstance(index, int) and index < len(place) else None
+
+
+def _parts(path: str) -> list[str | int]:
+    """``["spheres", 0, "radius"]`` for ``spheres[0].radius``; empty if it is not a path."""
+    parts: list[str | int] = []
+    for name in path.split("."):
+        match = _PART.fullmatch(name)
+        if not match:
+            return []
+        parts += [match[1], *map(int, re.findall(r"\d+", match[2]))]
+    return parts
+
+
+def _value(text: str) -> object:
+    """A TOML value; a bare word such as ``reinhard`` is a string."""
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        return text

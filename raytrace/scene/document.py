@@ -1,0 +1,135 @@
+"""Scenes as plain documents, and plain documents as scenes."""
+
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from raytrace.errors import InputError
+from raytrace.scene import data
+from raytrace.scene.schema import SceneDocument
+
+__all__ = ["document_of", "scene_of"]
+
+_CAMERAS = {
+    "perspective": data.PerspectiveCamera,
+    "orthographic": data.OrthographicCamera,
+    "matrices": data.MatrixCamera,
+}
+_PATTERNS = {"checkerboard": data.Checkerboard, "plain": data.Plain}
+
+
+def scene_of(document: dict, where: str) -> data.Scene:
+    """The scene that `document` describes.
+
+    Raises:
+        InputError: the first mistake in it: `where` (a file's name), the key's path, what was found, what is right.
+    """
+    try:
+        tables = SceneDocument.model_validate(document).model_dump()
+    except ValidationError as error:
+        raise InputError(f"{where}: {explained(error, document)}") from None
+    camera = tables["camera"]
+    spheres = tables["spheres"]
+    return data.Scene(
+        spheres=data.Spheres(
+            center=np.reshape([sphere["center"] for sphere in spheres], (-1, 3)).astype(np.float64),
+            radius=np.array([sphere["radius"] for sphere in spheres], dtype=np.float64),
+            color=np.reshape([sphere["color"] for sphere in spheres], (-1, 3)).astype(np.float64),
+        ),
+        planes=tuple(_plane(table) for table in tables["planes"]),
+        sun=data.Sun(**tables["sun"]),
+        sky=data.Sky(**tables["sky"]),
+        lighting=tables["lighting"],
+        camera=_CAMERAS[camera.pop("projection")](**camera),
+        film=data.Film(**tables["film"]),
+    )
+
+
+def _plane(table: dict) -> data.Plane:
+    pattern = table.pop("pattern")
+    return data.Plane(**table, pattern=_PATTERNS[pattern.pop("type")](**pattern))
+
+
+def document_of(scene: data.Scene) -> dict:
+    """The document that describes `scene`: every value, defaults too, but for the ones that are ``None``.
+
+    Raises:
+        InputError: the tone mapper is a Python function, which no file can hold.
+    """
+    if callable(scene.film.tone_mapper):
+        raise InputError("film.tone_mapper: a Python function cannot be written to a scene file")
+    spheres = scene.spheres
+    return {
+        "lighting": scene.lighting,
+        "camera": {"projection": _name(_CAMERAS, scene.camera), **_table(scene.camera)},
+        "sun": _table(scene.sun),
+        "sky": _table(scene.sky),
+        "film": _table(scene.film),
+        "planes": [
+            {**_table(plane), "pattern": {"type": _name(_PATTERNS, plane.pattern), **_table(plane.pattern)}}
+            for plane in scene.planes
+        ],
+        "spheres": [
+            {"center": center, "radius": radius, "color": color}
+            for center, radius, color in zip(*map(_plain, (spheres.center, spheres.radius, spheres.color)), strict=True)
+        ],
+    }
+
+
+def _name(kinds: dict[str, type], record: Any) -> str:
+    return next(name for name, kind in kinds.items() if type(record) is kind)
+
+
+def _table(record: Any) -> dict:
+    return {name: _plain(value) for name, value in vars(record).items() if value is not None}
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "__array_namespace__"):
+        return np.asarray(value, dtype=np.float64).tolist()
+    return list(value) if isinstance(value, tuple) else value
+
+
+def explained(error: ValidationError, document: Any) -> str:
+    """The first mistake in one line: path, what would be right, what was found; and how many more there are."""
+    first, *more = error.errors(include_url=False)
+    context = first.get("ctx", {})
+    path = _path(first["loc"], document)
+    if first["type"] == "unknown_key":
+        told = f"{_join(path, context['key'])}: {first['msg']}"
+    elif first["type"] == "missing":
+        told = f"{path}: missing"
+    else:
+        message = first["msg"].replace("Input should", "must")
+        told = f"{path or 'scene'}: {message}{_found(first['input'])}"
+    return told + (f" (and {len(more)} more)" if more else "")
+
+
+def _found(value: Any) -> str:
+    """What was found, where it is short enough to say."""
+    text = repr(value)
+    return f", found {text}" if len(text) <= 60 else ""
+
+
+def _path(location: tuple, document: Any) -> str:
+    """``spheres[3].radius`` for pydantic's location, which also holds the tags of unions."""
+    path = ""
+    for part in location:
+        if isinstance(document, dict) and part not in document and part != location[-1]:
+            continue
+        if isinstance(part, int):
+            document = document[part] if isinstance(document, list | tuple) and part < len(document) else None
+        else:
+            # The table that a union's tag stands for is the last part of a location of its own mistakes.
+            if isinstance(document, dict) and part not in document and part in (*_CAMERAS, *_PATTERNS):
+                continue
+            document = document.get(part) if isinstance(document, dict) else None
+        path = _join(path, part)
+    return path
+
+
+def _join(path: str, part: str | int) -> str:
+    if isinstance(part, int):
+        return f"{path}[{part}]"
+    return f"{path}.{part}" if path else part

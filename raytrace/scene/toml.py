@@ -1,0 +1,96 @@
+"""Scene files: TOML in, TOML out, and the scenes that come with the package."""
+
+import hashlib
+import re
+import tomllib
+from collections.abc import Iterable
+from importlib import resources
+from pathlib import Path
+
+import tomli_w
+
+from raytrace.errors import InputError, did_you_mean
+from raytrace.files import reason, whole_file
+from raytrace.scene.changes import change
+from raytrace.scene.check import check_scene
+from raytrace.scene.data import Scene
+from raytrace.scene.document import document_of, scene_of
+
+__all__ = ["DEFAULT_SCENE", "load_scene", "save_scene", "scene_hash", "scene_toml", "scenes"]
+
+DEFAULT_SCENE = "checkerboard"
+
+#: A list of numbers as tomli_w writes it, a line each.
+_NUMBERS = re.compile(r"\[\n((?:\s+[-+.\de]+,\n)+)\s*\]")
+
+
+def scenes() -> dict[str, str]:
+    """The built-in scenes: their names, in the order of the assignment's figures, and what each one shows."""
+    comments = {
+        file.name.removesuffix(".toml"): file.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
+        for file in (resources.files("raytrace") / "scenes").iterdir()
+        if file.name.endswith(".toml")
+    }
+    return dict(sorted(comments.items(), key=lambda item: (not item[1].startswith("Figure"), item[1])))
+
+
+def load_scene(scene: str | Path, changes: Iterable[str] = ()) -> Scene:
+    """The scene in a TOML file, or of a built-in's name; validated.
+
+    changes: settings like ``"sun.direction=[0, 1, 0]"`` or ``"spheres[0].radius=2"``, made before validation.
+
+    Raises:
+        InputError: there is no such scene, or its file, its TOML, or one of its values is wrong.
+    """
+    where = str(scene)
+    try:
+        document = tomllib.loads(_text(where))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{where}: not TOML: {error}") from None
+    for text in changes:
+        change(document, text)
+        where = f"{scene} with {text}"
+    return scene_of(document, where)
+
+
+def _text(name: str) -> str:
+    if name in scenes():
+        return (resources.files("raytrace") / "scenes" / f"{name}.toml").read_text(encoding="utf-8")
+    path = Path(name)
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        if path.suffix or path.parent != Path("."):
+            raise InputError(f"{name}: no such file") from None
+        raise InputError(f"{name}: no such scene; {did_you_mean(name, scenes(), 'built in')}") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{name}: not TOML: not a text in UTF-8") from None
+    except OSError as error:
+        raise InputError(f"{name}: cannot be read: {reason(error)}") from None
+
+
+def scene_toml(scene: Scene) -> str:
+    """The scene as the text of a scene file: every value written out, floats so that they come back the same.
+
+    Raises:
+        InputError: the tone mapper is a Python function.
+    """
+    text = tomli_w.dumps(document_of(scene))
+    return _NUMBERS.sub(lambda match: f"[{' '.join(match[1].split()).rstrip(',')}]", text)
+
+
+def scene_hash(scene: Scene) -> str:
+    """The SHA-256 of `scene_toml`, in hexadecimal: another value anywhere, another hash."""
+    return hashlib.sha256(scene_toml(scene).encode()).hexdigest()
+
+
+def save_scene(scene: Scene, path: str | Path) -> None:
+    """Writes the scene to a TOML file, whole or not at all.
+
+    Raises:
+        InputError: a value of the scene is wrong, or the file cannot be written.
+    """
+    check_scene(scene)
+    text = scene_toml(scene)
+    with whole_file(Path(path)) as temporary:
+        temporary.write_text(text, encoding="utf-8")

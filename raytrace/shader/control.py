@@ -1,0 +1,112 @@
+"""Four words of control flow, and the engine that decides what they become.
+
+| in the shader            | in GLSL      |
+|--------------------------|--------------|
+| ``@step`` on a function  | a call       |
+| ``branch(c, a, b, ...)`` | ``if / else``|
+| ``each(items, ...)``     | ``for``      |
+| ``at(items, index)``     | ``items[i]`` |
+
+The shader says what depends on what; an engine decides what is computed where: every pixel, only those
+concerned, or nothing at all for a block of pixels that does not need it. `Engine` itself is the plainest one
+and runs on any conforming array type: both sides of every branch, then a selection. The backends have their own.
+
+Bodies receive planes as arguments, never by closure: an engine may hand them a part of each plane. Uniforms
+(arrays of shape ()) and lists of items may be closed over.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import wraps
+from typing import Any
+
+from raytrace.shader.glsl import maximum, minimum, select
+from raytrace.shader.namespace import namespace
+from raytrace.shader.tree import tree_leaves, tree_map
+from raytrace.shader.types import Array
+
+__all__ = ["Engine", "at", "branch", "count", "detach", "each", "running", "step"]
+
+
+class Engine:
+    """The plain engine: everything is computed everywhere. Others override what they can do better."""
+
+    def step(self, function: Callable, args: tuple) -> Any:
+        return function(*args)
+
+    def branch(self, condition: Array, then: Callable, other: Callable, args: tuple) -> Any:
+        return select(condition, then(*args), other(*args))
+
+    def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
+        state = start
+        for i in range(count(items)):
+            state = body(state, i, tree_map(lambda leaf, i=i: leaf[i], items), *args)
+        return state
+
+    def at(self, items: Any, index: Array) -> Any:
+        # The standard's `take` has one-dimensional indices, all of which exist.
+        xp = namespace(index)
+        flat = xp.reshape(minimum(maximum(index, 0), count(items) - 1), (-1,))
+        return tree_map(lambda leaf: xp.reshape(xp.take(leaf, flat, axis=0), index.shape), items)
+
+    def detach(self, x: Array) -> Array:
+        return x
+
+
+_engine: ContextVar[Engine] = ContextVar("raytrace_engine", default=Engine())
+
+
+@contextmanager
+def running(engine: Engine) -> Iterator[None]:
+    """Within this context `engine` gives the control words their meaning."""
+    token = _engine.set(engine)
+    try:
+        yield
+    finally:
+        _engine.reset(token)
+
+
+def step(function: Callable) -> Callable:
+    """Marks a step of the shader: a function of planes that an engine may run as a kernel of its own."""
+
+    @wraps(function)
+    def call(*args):
+        return _engine.get().step(function, args)
+
+    return call
+
+
+def branch(condition: Array, then: Callable, other: Callable, *args: Any) -> Any:
+    """``condition ? then(*args) : other(*args)`` for every pixel.
+
+    `args` are planes of the condition's shape, scalars of shape (), or structures of them. Both sides return
+    the same structure. A side may see only the pixels concerned, or not be called at all.
+    """
+    return _engine.get().branch(condition, then, other, args)
+
+
+def each(items: Any, body: Callable, start: Any, *args: Any, unroll: bool = True) -> Any:
+    """``for`` over `items`, a structure of arrays of shape (n,): ``state = body(state, i, item, *args)``.
+
+    Where the state has a field ``index``, it names the item that made the state (-1: none, still `start`): an
+    engine that cannot differentiate the loop runs the body of that one item again instead. With `unroll` an
+    engine that compiles may write the body out for each item; without, it keeps a body too large for that.
+    """
+    return _engine.get().each(items, body, start, args, unroll)
+
+
+def at(items: Any, index: Array) -> Any:
+    """``items[index]`` for every pixel; any item where there is none of that index."""
+    return _engine.get().at(items, index)
+
+
+def detach(x: Array) -> Array:
+    """`x` as a constant: equal in value, without derivative."""
+    return _engine.get().detach(x)
+
+
+def count(items: Any) -> int:
+    """How many items a structure of arrays of shape (n,) holds; 0 for ``None``."""
+    leaves = tree_leaves(items)
+    return leaves[0].shape[0] if leaves else 0

@@ -1,0 +1,66 @@
+"""From linear light to display values (assignment, 'Skybox': tone mapping and colour space conversion)."""
+
+from raytrace.shader.control import step
+from raytrace.shader.glsl import Vec3, clamp, pow, select
+from raytrace.shader.literal import literal
+from raytrace.shader.uniforms import FilmUniforms, Program
+
+__all__ = ["TONE_MAPPERS", "TRANSFERS", "develop", "tonemap_and_gamma_correct"]
+
+
+def aces(x: Vec3) -> Vec3:
+    """The assignment's curve, after K. Narkowicz, 'ACES Filmic Tone Mapping Curve' (2015)."""
+    a, b, c, d, e = map(literal, ("2.51", "0.03", "2.43", "0.59", "0.14"))
+    return (x * (a * x + b)) / (x * (c * x + d) + e)
+
+
+def reinhard(x: Vec3) -> Vec3:
+    """E. Reinhard et al., 'Photographic Tone Reproduction for Digital Images' (2002), equation 3."""
+    return x / (1 + x)
+
+
+def hable(x: Vec3) -> Vec3:
+    """J. Hable, 'Uncharted 2: HDR Lighting' (GDC 2010): exposure bias 2, linear white at 11.2."""
+    A, B, C, D, E, F, W = map(literal, ("0.15", "0.5", "0.1", "0.2", "0.02", "0.3", "11.2"))
+
+    def curve(x):
+        return (x * (A * x + C * B) + D * E) / (x * (A * x + B) + D * F) - E / F
+
+    return curve(2 * x) / curve(W)
+
+
+def linear(x: Vec3) -> Vec3:
+    """No change."""
+    return x
+
+
+def gamma22(x: Vec3) -> Vec3:
+    """The assignment's approximation of sRGB: the power 1/2.2."""
+    return pow(x, literal("5/11"))
+
+
+def srgb(x: Vec3) -> Vec3:
+    """The transfer function of sRGB, IEC 61966-2-1."""
+    low = literal("12.92") * x
+    high = literal("1.055") * pow(x, literal("5/12")) - literal("0.055")
+    return Vec3(*(select(c <= literal("0.0031308").like(c), a, b) for c, a, b in zip(x, low, high, strict=True)))
+
+
+TONE_MAPPERS = {"aces": aces, "reinhard": reinhard, "hable": hable, "none": linear}
+TRANSFERS = {"gamma2.2": gamma22, "srgb": srgb, "none": linear}
+
+
+@step
+def tonemap_and_gamma_correct(x: Vec3, program: Program) -> Vec3:
+    """Display values in [0, 1] of linear light: the tone mapper, a clamp, the transfer function."""
+    return program.transfer(clamp(program.tone_mapper(x), 0, 1))
+
+
+@step
+def develop(linear: Vec3, film: FilmUniforms, program: Program) -> Vec3:
+    """Display values of the linear image: exposure and white balance, where there are any, then the assignment's."""
+    if film.exposure is not None:
+        linear = film.exposure * linear
+    if film.white_balance is not None:
+        linear = film.white_balance * linear
+    return tonemap_and_gamma_correct(linear, program)

@@ -1,0 +1,252 @@
+"""GLSL's vocabulary, for planes of any arithmetic.
+
+A vector is a named tuple of component planes, not an array with a trailing axis: shader code then reads as it
+does in GLSL (``rd.y < 0``, ``dot(N, L)``, ``point.xz / tile_size``) and every operation runs over contiguous
+memory. A component may also be of shape (), a uniform; operations broadcast.
+
+Source: The OpenGL ES Shading Language 3.00, chapters 5 (operators) and 8 (built-in functions).
+"""
+
+import operator
+from collections import namedtuple
+from typing import Any
+
+from raytrace.shader.literal import Literal
+from raytrace.shader.namespace import lift, namespace
+from raytrace.shader.tree import tree_map
+from raytrace.shader.types import Array
+
+__all__ = [
+    "Mat3",
+    "Mat4",
+    "Vec2",
+    "Vec3",
+    "Vec4",
+    "clamp",
+    "cross",
+    "dot",
+    "exp2",
+    "floor",
+    "isfinite",
+    "log2",
+    "maximum",
+    "minimum",
+    "mix",
+    "mod",
+    "normalize",
+    "pow",
+    "select",
+    "smallest_normal",
+    "sqrt",
+]
+
+
+class _Componentwise:
+    """Operators of GLSL's vectors: component by component, scalars are broadcast."""
+
+    # Without this, `ndarray * Vec3` would build an array of shape (3, height, width).
+    __array_ufunc__ = None
+    __slots__ = ()
+
+    def _with(self, operation, other):
+        others = other if isinstance(other, _Componentwise) else (other,) * len(self)
+        return type(self)(*map(operation, self, others))
+
+    def __add__(self, other):
+        return self._with(operator.add, other)
+
+    def __sub__(self, other):
+        return self._with(operator.sub, other)
+
+    def __mul__(self, other):
+        return self._with(operator.mul, other)
+
+    def __truediv__(self, other):
+        return self._with(operator.truediv, other)
+
+    def __radd__(self, other):
+        return self._with(lambda a, b: b + a, other)
+
+    def __rsub__(self, other):
+        return self._with(lambda a, b: b - a, other)
+
+    def __rmul__(self, other):
+        return self._with(lambda a, b: b * a, other)
+
+    def __rtruediv__(self, other):
+        return self._with(lambda a, b: b / a, other)
+
+    def __neg__(self):
+        return type(self)(*map(operator.neg, self))
+
+
+class Vec2(_Componentwise, namedtuple("Vec2", "x y")):
+    """GLSL's ``vec2``: two planes."""
+
+    __slots__ = ()
+
+
+class Vec3(_Componentwise, namedtuple("Vec3", "x y z")):
+    """GLSL's ``vec3``: three planes."""
+
+    __slots__ = ()
+
+    @property
+    def xz(self) -> Vec2:
+        return Vec2(self.x, self.z)
+
+
+class Vec4(_Componentwise, namedtuple("Vec4", "x y z w")):
+    """GLSL's ``vec4``: four planes."""
+
+    __slots__ = ()
+
+    @property
+    def xyz(self) -> Vec3:
+        return Vec3(self.x, self.y, self.z)
+
+
+class _Matrix:
+    """A matrix as the tuple of its columns, as GLSL stores it."""
+
+    __array_ufunc__ = None
+    __slots__ = ()
+
+    def __mul__(self, vector):
+        first, *rest = (column * component for column, component in zip(self, vector, strict=True))
+        return sum(rest, first)
+
+
+class Mat3(_Matrix, namedtuple("Mat3", "x y z")):
+    """GLSL's ``mat3``: three columns, each a `Vec3`."""
+
+    __slots__ = ()
+
+
+class Mat4(_Matrix, namedtuple("Mat4", "x y z w")):
+    """GLSL's ``mat4``: four columns, each a `Vec4`."""
+
+    __slots__ = ()
+
+    @property
+    def mat3(self) -> Mat3:
+        """The upper left part, ``mat3(m)``."""
+        return Mat3(self.x.xyz, self.y.xyz, self.z.xyz)
+
+
+def dot(a: Any, b: Any) -> Array:
+    """The scalar product of two vectors, summed from x on."""
+    first, *rest = (a * b for a, b in zip(a, b, strict=True))
+    return sum(rest, first)
+
+
+def cross(a: Vec3, b: Vec3) -> Vec3:
+    """The vector product."""
+    return Vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+
+
+def normalize(v: Vec3) -> Vec3:
+    """`v` divided by its length; the zero vector, which GLSL leaves undefined, stays zero."""
+    squared = dot(v, v)
+    return v / select(squared > 0, sqrt(squared), 1)
+
+
+def select(condition: Array, then: Any, other: Any) -> Any:
+    """`then` where `condition` holds, else `other`: planes, scalars, or equal structures of them."""
+
+    def leaf(a, b):
+        like = a if hasattr(a, "__array_namespace__") else b
+        return namespace(condition).where(condition, lift(a, like), lift(b, like))
+
+    return tree_map(leaf, then, other)
+
+
+def minimum(a: Array, b: Any) -> Array:
+    """The smaller of two numbers; GLSL's ``min``."""
+    return namespace(a).minimum(a, lift(b, a))
+
+
+def maximum(a: Array, b: Any) -> Array:
+    """The larger of two numbers; GLSL's ``max``."""
+    return namespace(a).maximum(a, lift(b, a))
+
+
+def clamp(x: Any, low: Any, high: Any) -> Any:
+    """`x` limited to the range from `low` to `high`; of a vector, each component."""
+    return tree_map(lambda x: minimum(maximum(x, low), high), x)
+
+
+def mix(a: Any, b: Any, share: Any) -> Any:
+    """The linear blend ``a * (1 - share) + b * share``."""
+    return a * (1 - share) + b * share
+
+
+def floor(x: Any) -> Any:
+    """The largest whole number not above `x`; of a vector, each component."""
+    return tree_map(lambda x: namespace(x).floor(x), x)
+
+
+def mod(x: Array, y: Any) -> Array:
+    """``x - y * floor(x / y)``: the remainder with the sign of `y`."""
+    return x - y * floor(x / y)
+
+
+def isfinite(x: Array) -> Array:
+    """False where `x` is infinite or not a number."""
+    return namespace(x).isfinite(x)
+
+
+def smallest_normal(x: Array) -> float:
+    """The smallest positive normal number of the arithmetic of `x`."""
+    return namespace(x).finfo(x.dtype).smallest_normal
+
+
+def sqrt(x: Array) -> Array:
+    """The square root; 0 for x <= 0.
+
+    The derivative at 0 is infinite and is defined as 0 here: the root is taken of a number that is never below
+    the smallest normal one, so no derivative is infinite and none is lost where `x` is positive and normal.
+    """
+    tiny = smallest_normal(x)
+    return select(x > 0, namespace(x).sqrt(maximum(x, tiny)), 0)
+
+
+def exp2(x: Array) -> Array:
+    """Two to the power `x`."""
+    xp = namespace(x)
+    # The array API standard has no exp2; NumPy and JAX do.
+    return xp.exp2(x) if hasattr(xp, "exp2") else xp.pow(lift(2, x), x)
+
+
+def log2(x: Array) -> Array:
+    """The logarithm to base 2 of a positive number."""
+    return namespace(x).log2(x)
+
+
+def pow(x: Any, y: Any) -> Any:
+    """`x` to the power `y`, for x >= 0 and y > 0; of a vector, each component.
+
+    As GLSL defines its precision: ``exp2(y * log2(x))``. Where `y` is a literal 1/2, 1/4, 1/8, ... it is the
+    same number by square roots, which are faster and correctly rounded.
+    0 for x <= 0, with derivative 0 (the true one is infinite at 0 for y < 1).
+    """
+    roots = _square_roots(y)
+
+    def leaf(x):
+        if roots:
+            for _ in range(roots):
+                x = sqrt(x)
+            return x
+        positive = maximum(x, smallest_normal(x))
+        return select(x > 0, exp2(y * log2(positive)), 0)
+
+    return tree_map(leaf, x)
+
+
+def _square_roots(exponent: Any) -> int:
+    """k for a literal exponent of 1 / 2**k, otherwise 0."""
+    if not isinstance(exponent, Literal):
+        return 0
+    numerator, denominator = exponent.value.as_integer_ratio()
+    power_of_two = denominator & (denominator - 1) == 0
+    return denominator.bit_length() - 1 if numerator == 1 and power_of_two else 0

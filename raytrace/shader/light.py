@@ -1,0 +1,64 @@
+"""Sun, sky and shadow (assignment, 'Light and Shadow')."""
+
+from typing import NamedTuple
+
+from raytrace.shader.control import branch, step
+from raytrace.shader.glsl import Vec3, clamp, dot, maximum, normalize, select
+from raytrace.shader.literal import literal
+from raytrace.shader.namespace import constant
+from raytrace.shader.plane import any_plane_intersect
+from raytrace.shader.sphere import any_sphere_intersect
+from raytrace.shader.types import Float
+from raytrace.shader.uniforms import Program, Uniforms
+
+__all__ = ["SHADOW_OFFSET", "Light", "light_at_point", "shadow_ray"]
+
+#: How far along the normal a shadow ray starts, so that a surface does not shadow itself.
+SHADOW_OFFSET = literal("1e-3")
+
+
+class Light(NamedTuple):
+    """The light received at a point and what it is made of."""
+
+    NdL: Float
+    NdSky: Float
+    shadow: Float
+    light: Vec3
+
+
+@step
+def shadow_ray(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program) -> Float:
+    """How much light comes along the ray: 0 where a sphere stands at t >= 0, else 1.
+
+    Planes block only where they are asked to (``casts_shadow``); the assignment's does not.
+    """
+    blocked = any_sphere_intersect(ro, rd, uniforms.spheres, program.intersection)
+    if uniforms.shadow_planes is not None:
+        blocked = blocked | any_plane_intersect(ro, rd, uniforms.shadow_planes)
+    return select(blocked, constant(0, rd.x), 1)
+
+
+@step
+def light_at_point(
+    point: Vec3, N: Vec3, uniforms: Uniforms, program: Program, every_shadow: bool = False
+) -> Light:
+    """The light that a surface with unit normal `N` receives at `point`: Lambert's sun and a share of the sky.
+
+    Where the surface faces away from the sun no shadow ray is sent, unless `every_shadow` asks for its value.
+    """
+    sun, sky = uniforms.sun, uniforms.sky
+    L = normalize(sun.direction)
+    NdL = maximum(dot(N, L), 0)
+    NdSky = clamp(0.5 * N.y + 0.5, 0, 1)
+
+    def sent(point, N):
+        return shadow_ray(point + SHADOW_OFFSET * N, L, uniforms, program)
+
+    def not_sent(point, N):
+        return constant(1, N.x)
+
+    if program.lighting == "shadow":
+        shadow = sent(point, N) if every_shadow else branch(NdL > 0, sent, not_sent, point, N)
+    else:
+        shadow = constant(1, NdL)
+    return Light(NdL, NdSky, shadow, sun.color * NdL * shadow + sky.high * NdSky)

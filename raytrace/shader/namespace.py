@@ -1,0 +1,42 @@
+"""The operands' array namespace: what makes the shader independent of any array library.
+
+See the Python array API standard, ``__array_namespace__``.
+"""
+
+from typing import Any
+
+from raytrace.shader.types import Array
+
+__all__ = ["constant", "lift", "namespace"]
+
+
+def namespace(*operands: Any) -> Any:
+    """The array namespace of the first operand that has one.
+
+    Raises:
+        TypeError: none of the operands is an array.
+    """
+    for operand in operands:
+        find = getattr(operand, "__array_namespace__", None)
+        if find is not None:
+            return find()
+    kinds = ", ".join(type(operand).__name__ for operand in operands)
+    raise TypeError(f"expected at least one array with __array_namespace__, found {kinds}")
+
+
+def lift(value: Any, like: Array) -> Array:
+    """`value` (an array, a literal or a Python number) in the arithmetic of the array `like`.
+
+    Python numbers must not meet arrays in ``where``: the result would be float64 whatever the arrays are.
+    """
+    if hasattr(value, "__array_namespace__"):
+        return value
+    if hasattr(value, "like"):
+        return value.like(like)
+    return constant(value, like)
+
+
+def constant(value: Any, like: Array, dtype: str | None = None) -> Array:
+    """A number of shape () in the arithmetic of the array `like`, or of the namespace's type named `dtype`."""
+    xp = namespace(like)
+    return xp.asarray(value, dtype=like.dtype if dtype is None else getattr(xp, dtype))

@@ -1,0 +1,100 @@
+"""Spheres: one ray against one of them, and against all (assignment, 'Ray-Sphere Intersection', 'Shadow')."""
+
+from math import inf
+from typing import NamedTuple
+
+from raytrace.shader.control import each, step
+from raytrace.shader.glsl import Vec3, dot, select, sqrt
+from raytrace.shader.hit import Hit
+from raytrace.shader.namespace import constant
+from raytrace.shader.types import Bool, Float, Int
+from raytrace.shader.uniforms import Sphere
+
+__all__ = ["INTERSECTIONS", "any_sphere_intersect", "closest_sphere_intersect", "sphere_intersect"]
+
+
+class Roots(NamedTuple):
+    """Where a ray's line meets a sphere: nowhere if the discriminant is negative, else at t1 <= t2."""
+
+    discriminant: Float
+    t1: Float
+    t2: Float
+
+
+def textbook_roots(ro: Vec3, rd: Vec3, radius: Float) -> Roots:
+    """The roots as the assignment has them, for a sphere around the origin.
+
+    ``b*b - c`` cancels where the sphere is small against its distance.
+    """
+    b = dot(ro, rd)
+    c = dot(ro, ro) - radius * radius
+    d = b * b - c
+    root = sqrt(d)
+    return Roots(d, -b - root, -b + root)
+
+
+def robust_roots(ro: Vec3, rd: Vec3, radius: Float) -> Roots:
+    """The same roots without cancellation.
+
+    The discriminant compares the radius with the distance from the centre to the line, and the root that would
+    cancel is had from the product of both, c.
+
+    Source: Haines, Guenther, Akenine-Moeller, 'Precision Improvements for Ray/Sphere Intersection',
+    Ray Tracing Gems (2019), chapter 7.
+    """
+    b = dot(ro, rd)
+    nearest = ro - b * rd
+    d = radius * radius - dot(nearest, nearest)
+    root = sqrt(d)
+    c = dot(ro, ro) - radius * radius
+    ahead = b < 0
+    q = select(ahead, root - b, -(root + b))
+    # q = 0 is a ray that starts on the sphere and touches it there: both roots are 0.
+    other = c / select(q == 0, 1, q)
+    return Roots(d, select(ahead, other, q), select(ahead, q, other))
+
+
+INTERSECTIONS = {"textbook": textbook_roots, "robust": robust_roots}
+
+
+def sphere_intersect(ro: Vec3, rd: Vec3, s: Sphere, intersection: str = "textbook") -> Float:
+    """The t at which the ray ro + t * rd (`rd` of unit length) meets the sphere `s`; negative: not at all.
+
+    The nearer root, or the farther one where the nearer is behind the origin, as it is inside the sphere.
+    `intersection` is "textbook" (the assignment's formula) or "robust".
+    """
+    d, t1, t2 = INTERSECTIONS[intersection](ro - s.center, rd, s.radius)
+    # `d >= 0` and not `d < 0`: where the discriminant has overflowed to NaN there is no intersection either.
+    return select(d >= 0, select(t1 < 0, t2, t1), -1)
+
+
+@step
+def closest_sphere_intersect(
+    ro: Vec3, rd: Vec3, spheres: Sphere | None, intersection: str = "textbook"
+) -> tuple[Float, Int]:
+    """The smallest t >= 0 at which the ray meets a sphere, and the sphere's index; (-1, -1) if it meets none.
+
+    Of spheres at equal t the last one wins: ``t > closestHit`` goes on, equality does not.
+    """
+
+    def body(closest, i, sphere, ro, rd):
+        t = sphere_intersect(ro, rd, sphere, intersection)
+        passed_over = (t < 0) | (t > closest.t)
+        return select(passed_over, closest, Hit(t, constant(i, closest.index)))
+
+    nothing = Hit(constant(inf, rd.x), constant(-1, rd.x, "int32"))
+    closest = each(spheres, body, nothing, ro, rd)
+    # The assignment's bestT: it follows closestHit but starts at -1.
+    return select(closest.index < 0, -1, closest.t), closest.index
+
+
+@step
+def any_sphere_intersect(
+    ro: Vec3, rd: Vec3, spheres: Sphere | None, intersection: str = "textbook"
+) -> Bool:
+    """Whether the ray meets any sphere at t >= 0: ``closestSphereIntersect(...) >= 0``, which needs no order."""
+
+    def body(blocked, _, sphere, ro, rd):
+        return blocked | (sphere_intersect(ro, rd, sphere, intersection) >= 0)
+
+    return each(spheres, body, constant(False, rd.x, "bool"), ro, rd)

@@ -1,0 +1,26 @@
+"""Walking structures of planes: nested tuples, named or not, whose leaves are arrays.
+
+``None`` is a structure without leaves, so a record can leave a field out.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+__all__ = ["tree_leaves", "tree_map"]
+
+
+def tree_map(function: Callable, tree: Any, *others: Any) -> Any:
+    """`function` of every leaf of `tree` and of the leaves at the same places of `others`."""
+    if tree is None:
+        return None
+    if not isinstance(tree, tuple):
+        return function(tree, *others)
+    mapped = [tree_map(function, *parts) for parts in zip(tree, *others, strict=True)]
+    return type(tree)(*mapped) if hasattr(tree, "_fields") else tuple(mapped)
+
+
+def tree_leaves(tree: Any) -> list:
+    """The leaves of `tree`, in order."""
+    leaves: list = []
+    tree_map(leaves.append, tree)
+    return leaves

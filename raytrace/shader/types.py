@@ -1,0 +1,27 @@
+"""GLSL's scalar types, as annotations: an array of any library, one number a pixel or one for all (shape ()).
+
+The tests check them at run time (jaxtyping and beartype).
+"""
+
+import re
+from typing import Any
+
+from jaxtyping import AbstractDtype
+from jaxtyping import Bool as BoolDtype
+from jaxtyping import Int as IntDtype
+
+__all__ = ["Array", "Bool", "Float", "Int"]
+
+
+class Real(AbstractDtype):
+    """Floating point of any width, and number types of one's own that call themselves ``float...``."""
+
+    dtypes = [re.compile("b?float.*")]
+
+
+#: An array of any conforming library: NumPy, JAX (concrete or traced), or a type of one's own.
+Array = Any
+
+Float = Real[Any, "*#pixels"]
+Bool = BoolDtype[Any, "*#pixels"]
+Int = IntDtype[Any, "*#pixels"]
