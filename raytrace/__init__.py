@@ -1,6 +1,7 @@
 """raytrace: the vectorized reference implementation of a real-time graphics course's ray tracer."""
 
 from raytrace.errors import InputError
+from raytrace.image import read_image, write_image
 from raytrace.rendering import render
 from raytrace.scene import (
     Checkerboard,
@@ -21,3 +22,27 @@ from raytrace.scene import (
     sun_angles,
     sun_direction,
 )
+
+__all__ = [
+    "Checkerboard",
+    "Film",
+    "InputError",
+    "MatrixCamera",
+    "OrthographicCamera",
+    "PerspectiveCamera",
+    "Plain",
+    "Plane",
+    "Scene",
+    "Sky",
+    "Spheres",
+    "Sun",
+    "check_scene",
+    "load_scene",
+    "read_image",
+    "render",
+    "save_scene",
+    "scenes",
+    "sun_angles",
+    "sun_direction",
+    "write_image",
+]

@@ -5,6 +5,7 @@ double vanish and floats are rounded, so numbers are stored as text; channels ma
 incomplete file is closed without a complaint.
 """
 
+import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -103,8 +104,8 @@ def image_file(
         spec.channelnames = tuple(names)
         spec.attribute("DateTime", _EPOCH)
         spec.attribute("oiio:ColorSpace", "lin_rec709_scene" if output == "linear" else "srgb_rec709_display")
-        for name, text in (metadata or {}).items():
-            spec.attribute(f"raytrace:{name}", text)
+        for name, text in _attributes(path, metadata or {}).items():
+            spec.attribute(name, text)
         file = oiio.ImageOutput.create(str(temporary))
         if file is None or not file.open(str(temporary), spec):
             raise InputError(f"{path}: cannot be written: {_last_line(file.geterror() if file else oiio.geterror())}")
@@ -223,11 +224,22 @@ def read_metadata(path: str | Path) -> dict[str, str]:
         attributes = {attribute.name: attribute.value for attribute in file.spec().extra_attribs}
     finally:
         file.close()
+    if str(attributes.get(_DESCRIPTION, "")).startswith(_PREFIX):
+        return json.loads(attributes[_DESCRIPTION].removeprefix(_PREFIX))
     return {
-        name.removeprefix("raytrace:"): str(value)
-        for name, value in attributes.items()
-        if name.startswith("raytrace:")
+        name.removeprefix(_PREFIX): str(value) for name, value in attributes.items() if name.startswith(_PREFIX)
     }
+
+
+_PREFIX = "raytrace:"
+_DESCRIPTION = "ImageDescription"
+
+
+def _attributes(path: Path, metadata: Mapping[str, str]) -> dict[str, str]:
+    """The metadata as attributes of a file; TIFF knows no names of ours, so its description holds them as JSON."""
+    if path.suffix.lower() in (".tif", ".tiff"):
+        return {_DESCRIPTION: _PREFIX + json.dumps(dict(metadata))} if metadata else {}
+    return {_PREFIX + name: text for name, text in metadata.items()}
 
 
 def _opened(path: Path) -> Any:

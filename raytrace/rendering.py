@@ -1,6 +1,7 @@
 """From a scene to an image: `render`, and `Rendering` for images that are written while they are rendered."""
 
 from collections.abc import Iterator
+from importlib.metadata import version
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from raytrace.backends import BACKENDS, renderer
 from raytrace.errors import InputError, did_you_mean
 from raytrace.scene.check import check_scene, is_traced
 from raytrace.scene.data import Scene, concrete
-from raytrace.scene.toml import load_scene
+from raytrace.scene.toml import load_scene, scene_hash, scene_toml
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.shader.sphere import INTERSECTIONS
@@ -58,6 +59,7 @@ class Rendering:
         if intersection is None:
             intersection = "robust" if dtype == "float32" else "textbook"
         self.scene, self.backend, self.dtype, self.output = scene, backend, dtype, output
+        self.intersection, self.exact_inputs = intersection, exact_inputs
         self.frame = Frame(*map(int, size), samples=int(samples))
         self.renderer = renderer(
             backend,
@@ -83,11 +85,39 @@ class Rendering:
         self.renderer.compile(self.band_height)
 
     def bands(self) -> Iterator[Any]:
-        """The image from the top down, in bands of rows."""
+        """The image from the top down, in bands of rows, as NumPy arrays."""
         for first in range(0, self.frame.height, self.band_height):
             images = self.renderer.draw(first, self.band_height)
             rows = min(self.band_height, self.frame.height - first)
-            yield self._result({name: image[:rows] for name, image in images.items()})
+            yield self._result({name: np.asarray(image)[:rows] for name, image in images.items()})
+
+    def pixel(self, x: int, y: int) -> Any:
+        """The output at one pixel; steps as a dict of numbers and vectors.
+
+        Raises:
+            InputError: there is no such pixel.
+        """
+        width, height, _ = self.frame
+        if not (0 <= x < width and 0 <= y < height):
+            raise InputError(f"pixel {x} {y}: must be within 0 0 and {width - 1} {height - 1}")
+        images = {name: np.asarray(image)[0, x] for name, image in self.renderer.draw(y, 1).items()}
+        return self._result(images)
+
+    def metadata(self) -> dict[str, str]:
+        """What an image file should say of its origin."""
+        transfer = "none (linear)" if self.output == "linear" else self.scene.film.transfer
+        return {
+            "scene": scene_toml(self.scene),
+            "scene_sha256": scene_hash(self.scene),
+            "color_space": f"Rec. 709 primaries, transfer function {transfer}",
+            "output": self.output,
+            "backend": self.backend,
+            "dtype": self.dtype,
+            "intersection": self.intersection,
+            "samples": str(self.frame.samples),
+            "exact_inputs": str(self.exact_inputs).lower(),
+            "version": version("raytrace"),
+        }
 
     def _result(self, images: dict[str, Any]) -> Any:
         return images if self.output == "steps" else images[self.output]

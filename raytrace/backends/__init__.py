@@ -1,7 +1,7 @@
 """The ways to run the shader. A backend is imported when it is first used."""
 
 from importlib import import_module
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 __all__ = ["BACKENDS", "Renderer", "renderer"]
 
@@ -19,6 +19,7 @@ BACKENDS = {
 }
 
 
+@runtime_checkable
 class Renderer(Protocol):
     """What a backend's class `Renderer` is: made of a scene's uniforms, it renders rows on demand.
 

@@ -20,6 +20,7 @@ from jax import lax
 from raytrace.errors import InputError
 from raytrace.shader.control import Engine, count, running
 from raytrace.shader.glsl import select
+from raytrace.shader.hit import Hit
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame, pixels
 from raytrace.shader.tree import tree_map
@@ -41,9 +42,9 @@ class OneProgram(Engine):
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
         if unroll and count(items) <= FEW:
             return super().each(items, body, start, args, unroll)
-        # A state without floats has no derivative; one with an index gets it from that one item. Either way the
+        # A state without floats has no derivative, and a hit has that of the one item that was hit. Either way the
         # loop itself needs none: reverse mode would have to keep every turn of it.
-        one_decides = hasattr(start, "index")
+        one_decides = isinstance(start, Hit)
         if one_decides or not any(jnp.issubdtype(leaf.dtype, jnp.floating) for leaf in jax.tree.leaves(start)):
             loop_items, loop_args = lax.stop_gradient((items, args))
         else:

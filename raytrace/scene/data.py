@@ -12,7 +12,6 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import wrapt
-from jaxtyping import Float
 
 __all__ = [
     "Camera",
@@ -30,9 +29,13 @@ __all__ = [
     "concrete",
 ]
 
-Number: TypeAlias = Float[Any, ""]
-Vector: TypeAlias = Float[Any, "3"]
-Matrix: TypeAlias = Float[Any, "4 4"]
+# Anything that NumPy takes for such an array of floats, and whatever JAX puts in its place while it traces, maps
+# over a batch or takes the scene apart.
+Number: TypeAlias = Any  # shape ()
+Vector: TypeAlias = Any  # shape (3,)
+Matrix: TypeAlias = Any  # shape (4, 4)
+Numbers: TypeAlias = Any  # shape (n,)
+Vectors: TypeAlias = Any  # shape (n, 3)
 
 _STATIC = {"static": True}
 _NODES: list[type] = []
@@ -82,9 +85,9 @@ class _Record:
 class Spheres(_Record):
     """An array of n spheres: centres, radii (positive) and linear RGB colours (not negative)."""
 
-    center: Float[Any, "n 3"] = field(default_factory=lambda: np.zeros((0, 3)))
-    radius: Float[Any, " n"] = field(default_factory=lambda: np.zeros(0))
-    color: Float[Any, "n 3"] = field(default_factory=lambda: np.zeros((0, 3)))
+    center: Vectors = field(default_factory=lambda: np.zeros((0, 3)))
+    radius: Numbers = field(default_factory=lambda: np.zeros(0))
+    color: Vectors = field(default_factory=lambda: np.zeros((0, 3)))
 
 
 @_node

@@ -89,9 +89,9 @@ def branch(condition: Array, then: Callable, other: Callable, *args: Any) -> Any
 def each(items: Any, body: Callable, start: Any, *args: Any, unroll: bool = True) -> Any:
     """``for`` over `items`, a structure of arrays of shape (n,): ``state = body(state, i, item, *args)``.
 
-    Where the state has a field ``index``, it names the item that made the state (-1: none, still `start`): an
-    engine that cannot differentiate the loop runs the body of that one item again instead. With `unroll` an
-    engine that compiles may write the body out for each item; without, it keeps a body too large for that.
+    Where the state is a `Hit`, the item of its index alone made it: an engine that cannot differentiate the loop
+    runs the body of that one item again instead. With `unroll` an engine that compiles may write the body out for
+    each item; without, the body is too large for that.
     """
     return _engine.get().each(items, body, start, args, unroll)
 

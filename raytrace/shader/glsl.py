@@ -12,7 +12,7 @@ from collections import namedtuple
 from typing import Any
 
 from raytrace.shader.literal import Literal
-from raytrace.shader.namespace import lift, namespace
+from raytrace.shader.namespace import constant, lift, namespace
 from raytrace.shader.tree import tree_map
 from raytrace.shader.types import Array
 
@@ -196,9 +196,9 @@ def isfinite(x: Array) -> Array:
     return namespace(x).isfinite(x)
 
 
-def smallest_normal(x: Array) -> float:
-    """The smallest positive normal number of the arithmetic of `x`."""
-    return namespace(x).finfo(x.dtype).smallest_normal
+def smallest_normal(x: Array) -> Array:
+    """The smallest positive normal number of the arithmetic of `x`, of shape ()."""
+    return constant(namespace(x).finfo(x.dtype).smallest_normal, x)
 
 
 def sqrt(x: Array) -> Array:

@@ -1,6 +1,6 @@
 """Planes: one ray against one of them, and against all (assignment, 'Ground Plane')."""
 
-from math import inf, sqrt
+from math import inf
 
 from raytrace.shader.control import detach, each, step
 from raytrace.shader.glsl import Vec3, dot, select, smallest_normal
@@ -19,7 +19,7 @@ def plane_intersect(ro: Vec3, rd: Vec3, n: Vec3, p: Vec3) -> Float:
     """
     distance, approach = dot(p - ro, n), dot(rd, n)
     # The quotient's derivative holds 1 / approach**2. Where that overflows the value is kept, without derivative.
-    steep = abs(approach) > sqrt(smallest_normal(approach))
+    steep = approach * approach >= smallest_normal(approach)
     return select(steep, distance / select(steep, approach, 1), detach(distance / approach))
 
 

@@ -14,9 +14,9 @@ __all__ = ["Array", "Bool", "Float", "Int"]
 
 
 class Real(AbstractDtype):
-    """Floating point of any width, and number types of one's own that call themselves ``float...``."""
+    """Floating point of any width, and number types of one's own whose names have "float" in them."""
 
-    dtypes = [re.compile("b?float.*")]
+    dtypes = [re.compile(".*float.*|longdouble")]
 
 
 #: An array of any conforming library: NumPy, JAX (concrete or traced), or a type of one's own.
