@@ -1,5 +1,6 @@
 """The constant matrix that makes a white point white."""
 
+import warnings
 from functools import lru_cache
 
 import numpy as np
@@ -16,7 +17,9 @@ def adaptation_matrix(white_point: float | tuple[float, float]) -> np.ndarray:
 
     Bradford's chromatic adaptation (Lam 1985), by colour-science.
     """
-    import colour
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of what colour could do if more were installed
+        import colour
 
     if isinstance(white_point, tuple):
         xy = np.array(white_point)

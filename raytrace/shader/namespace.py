@@ -1,6 +1,8 @@
 """The operands' array namespace: what makes the shader independent of any array library.
 
-See the Python array API standard, ``__array_namespace__``.
+An array type that is to carry the shader needs ``__array_namespace__`` and the functions of the Python array API
+standard (2023.12) that `raytrace.shader.glsl` names, and operators that leave types they do not know to the other
+operand (``NotImplemented``), as Python's data model asks. Nothing asks an array for its truth.
 """
 
 from typing import Any

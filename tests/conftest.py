@@ -1,0 +1,23 @@
+"""Settings of the whole suite. Annotations of the package are checked at run time: see pyproject.toml."""
+
+import os
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+settings.register_profile(
+    "raytrace", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow], print_blob=False
+)
+settings.load_profile("raytrace")
+
+
+@pytest.fixture(autouse=True)
+def in_empty_folder(tmp_path, monkeypatch):
+    """Every test runs in a folder of its own, so that what it writes by default goes there."""
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def few_threads():
+    """One test worker a core is enough."""
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
