@@ -89,7 +89,8 @@ def _by(key: str, default: str, *tags: str) -> Discriminator:
     """Chooses among the tables of a union by `key`; another value is left to the default table to refuse."""
 
     def choose(table: Any) -> str:
-        tag = table.get(key, default) if isinstance(table, dict) else default
+        # pydantic also asks it of tables already made, when it writes them.
+        tag = table.get(key, default) if isinstance(table, dict) else getattr(table, key, default)
         return tag if tag in tags else default
 
     return Discriminator(choose)
