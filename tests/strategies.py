@@ -82,3 +82,13 @@ def scenes(draw):
             transfer=draw(st.sampled_from(["gamma2.2", "srgb", "none"])),
         ),
     )
+
+
+def many(n, seed=0):
+    """n small spheres above the ground."""
+    random = np.random.default_rng(seed)
+    return raytrace.Spheres(
+        center=random.uniform([-3, -0.4, -6], [3, 2, -1], (n, 3)),
+        radius=random.uniform(0.05, 0.3, n),
+        color=random.uniform(0.2, 1, (n, 3)),
+    )

@@ -28,9 +28,6 @@ from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = ["OneProgram", "Renderer", "Staged"]
 
-#: Loops over more items than this stay loops, and their items are gathered; below, they are written out.
-FEW = 16
-
 
 @dataclass(frozen=True)
 class OneProgram(Engine):
@@ -38,9 +35,11 @@ class OneProgram(Engine):
 
     #: Pixels of a block, at most; ``None`` for the whole image at once.
     block: int | None = None
+    #: A loop over more items than this stays a loop, and its items are gathered; with fewer both are written out.
+    few: int = 16
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
-        if unroll and count(items) <= FEW:
+        if unroll and count(items) <= self.few:
             return super().each(items, body, start, args, unroll)
         # A state without floats has no derivative, and a hit has that of the one item that was hit. Either way the
         # loop itself needs none: reverse mode would have to keep every turn of it.
@@ -62,7 +61,7 @@ class OneProgram(Engine):
         return select(index >= 0, winner, start)
 
     def at(self, items: Any, index: jax.Array) -> Any:
-        if count(items) > FEW:
+        if count(items) > self.few:
             return jax.tree.map(lambda leaf: jnp.take(leaf, index, mode="clip"), items)
         chosen = jax.tree.map(lambda leaf: leaf[0], items)
         for i in range(1, count(items)):

@@ -237,7 +237,9 @@ def pow(x: Any, y: Any) -> Any:
             for _ in range(roots):
                 x = sqrt(x)
             return x
-        positive = maximum(x, smallest_normal(x))
+        # Not the smallest normal number itself: the derivative divides by it and by ln 2, which a compiler may
+        # take for one division by a product, and that would underflow.
+        positive = maximum(x, 4 * smallest_normal(x))
         return select(x > 0, exp2(y * log2(positive)), 0)
 
     return tree_map(leaf, x)

@@ -1,0 +1,162 @@
+import subprocess
+import sys
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import raytrace
+from raytrace.backends.jax import OneProgram, Renderer, Staged
+from raytrace.rendering import Rendering
+from raytrace.shader.pixel import Frame
+from raytrace.uniforms import program_of, uniforms_of
+from tests.strategies import many
+
+SCENES = pytest.mark.parametrize("name", list(raytrace.scenes()))
+
+
+def numpy_steps(name, size):
+    return raytrace.render(name, size, backend="numpy", dtype="float64", output="steps")
+
+
+def assert_same_image(name, size, tolerance):
+    reference = numpy_steps(name, size)
+    steps = raytrace.render(name, size, dtype="float64", output="steps")
+    np.testing.assert_array_equal(steps["index"], reference["index"])
+    np.testing.assert_array_equal(steps["shadow"], reference["shadow"])
+    np.testing.assert_allclose(steps["display"], reference["display"], rtol=0, atol=tolerance)
+
+
+@SCENES
+def test_float64_is_numpys(name):
+    assert_same_image(name, (480, 270), 5e-12)
+
+
+@SCENES
+@pytest.mark.slow
+def test_float64_is_numpys_at_full_size(name):
+    assert_same_image(name, (1920, 1080), 5e-11)
+
+
+@pytest.mark.slow
+def test_float32_is_near_float64():
+    """At most 20 pixels of the default scene at 1920x1080 are off by more than 1/255."""
+    reference = raytrace.render("checkerboard", backend="numpy", dtype="float64")
+    image = np.asarray(raytrace.render("checkerboard"))
+    assert image.dtype == np.float32
+    assert np.count_nonzero(np.abs(image - reference).max(axis=-1) > 1 / 255) <= 20
+
+
+def engine_image(scene, engine, size=(64, 36), dtype="float32"):
+    uniforms, program = uniforms_of(scene, size[0] / size[1]), program_of(scene, "robust")
+    return Renderer(uniforms, program, Frame(*size), ("display",), dtype, engine=engine).draw(0, size[1])["display"]
+
+
+def test_the_engines_agree():
+    """Staged with one or many blocks, loops written out or not, and everything under one plain `jit`."""
+    scene = raytrace.load_scene("checkerboard")
+    staged = engine_image(scene, Staged())
+    for engine in (Staged(block=64 * 5), Staged(few=2), OneProgram(), OneProgram(few=2)):
+        np.testing.assert_allclose(engine_image(scene, engine), staged, rtol=0, atol=2e-5)
+
+
+def test_eager_arrays_run_the_shader():
+    """Without any backend: the shader's functions on concrete JAX arrays."""
+    from raytrace.shader import sphere_intersect
+    from raytrace.shader.glsl import Vec3
+    from raytrace.shader.uniforms import Sphere
+
+    zero, one = jnp.zeros(3), jnp.ones(3)
+    ball = Sphere(Vec3(*jnp.zeros(3)), jnp.float32(1), Vec3(*jnp.ones(3)))
+    t = sphere_intersect(Vec3(zero, zero, 5 * one), Vec3(zero, zero, -one), ball)
+    assert t.tolist() == [4, 4, 4]
+
+
+def test_many_spheres():
+    """More than are written out: the loop stays a loop and the items are gathered."""
+    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(50))
+    reference = raytrace.render(scene, (96, 54), backend="numpy", dtype="float64", output="steps")
+    steps = raytrace.render(scene, (96, 54), dtype="float64", output="steps")
+    np.testing.assert_array_equal(steps["index"], reference["index"])
+    np.testing.assert_allclose(steps["display"], reference["display"], rtol=0, atol=1e-11)
+
+
+def test_bands_are_the_whole_image(monkeypatch):
+    monkeypatch.setattr("raytrace.rendering.BAND", 96 * 10)
+    rendering = Rendering("checkerboard", (96, 55), dtype="float64")
+    np.testing.assert_allclose(np.concatenate(list(rendering.bands())), rendering.whole(), rtol=0, atol=1e-12)
+
+
+def test_types_of_the_results():
+    image = raytrace.render("sphere", (8, 4))
+    assert isinstance(image, jax.Array)
+    assert image.dtype == jnp.float32
+    assert isinstance(raytrace.render("sphere", (8, 4), dtype="float64"), np.ndarray)
+    with jax.enable_x64(True):
+        image = raytrace.render("sphere", (8, 4), dtype="float64")
+        assert isinstance(image, jax.Array)
+        assert image.dtype == jnp.float64
+
+
+def test_x64_mode_changes_no_bit():
+    without = raytrace.render("checkerboard", (64, 36), dtype="float64"), raytrace.render("checkerboard", (64, 36))
+    with jax.enable_x64(True):
+        with_x64 = raytrace.render("checkerboard", (64, 36), dtype="float64"), raytrace.render("checkerboard", (64, 36))
+    for a, b in zip(without, with_x64, strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_float64_in_a_32_bit_trace_is_an_error():
+    scene = raytrace.load_scene("sphere")
+    with pytest.raises(raytrace.InputError, match="enable_x64"):
+        jax.jit(lambda scene: raytrace.render(scene, (8, 4), dtype="float64"))(scene)
+
+
+def test_a_traced_scene_passes_through_jit_and_vmap():
+    scene = raytrace.load_scene("checkerboard")
+
+    def image(direction):
+        return raytrace.render(replace(scene, sun=replace(scene.sun, direction=direction)), (32, 18))
+
+    directions = jnp.array([[1, 0.75, 1], [0, 1, 0.2], [-1, 0.3, 0.5]])
+    expected = np.stack([image(direction) for direction in np.asarray(directions)])
+    np.testing.assert_allclose(np.stack([jax.jit(image)(d) for d in directions]), expected, rtol=0, atol=2e-5)
+    np.testing.assert_allclose(jax.vmap(image)(directions), expected, rtol=0, atol=2e-5)
+
+
+def test_a_whole_scene_passes_through_jit():
+    scene = raytrace.load_scene("checkerboard")
+    jitted = jax.jit(lambda scene: raytrace.render(scene, (32, 18)))
+    np.testing.assert_allclose(jitted(scene), raytrace.render(scene, (32, 18)), rtol=0, atol=2e-5)
+
+
+def test_another_scenes_values_are_not_compiled_again():
+    from raytrace.backends.jax import _compiled
+
+    scene = raytrace.load_scene("checkerboard")
+    raytrace.render(scene, (40, 20))
+    before = _compiled.cache_info().misses
+    raytrace.render(replace(scene, sun=raytrace.Sun(direction=[0, 1, 0])), (40, 20))
+    raytrace.render(raytrace.load_scene("checkerboard", ["camera.position=[0,1,3]", "spheres[0].radius=1"]), (40, 20))
+    assert _compiled.cache_info().misses == before
+
+
+def test_importing_raytrace_leaves_jax_alone():
+    """It neither imports JAX nor anything heavier, and importing JAX afterwards still makes scenes pytrees."""
+    subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import sys, raytrace\n"
+            "heavy = {'jax', 'colour', 'matplotlib', 'skimage', 'OpenImageIO', 'scipy'} & set(sys.modules)\n"
+            "assert not heavy, heavy\n"
+            "scene = raytrace.load_scene('checkerboard')\n"
+            "import jax\n"
+            "assert len(jax.tree.leaves(scene)) > 20\n"
+            "raytrace.render(scene, (8, 4), dtype='float64')\n"
+            "assert not jax.config.jax_enable_x64\n",
+        ],
+        check=True,
+    )

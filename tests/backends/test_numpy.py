@@ -1,0 +1,108 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+import raytrace
+from raytrace.backends.numpy import Renderer
+from raytrace.rendering import Rendering
+from raytrace.shader.control import Engine
+from raytrace.shader.main import COMPONENTS
+from raytrace.shader.pixel import Frame
+from raytrace.uniforms import program_of, uniforms_of
+from tests.strategies import scenes
+
+SIZE = (96, 55)
+
+
+def draw(scene, dtype, engine=None, intersection="textbook"):
+    uniforms, program = uniforms_of(scene, SIZE[0] / SIZE[1]), program_of(scene, intersection)
+    return Renderer(uniforms, program, Frame(*SIZE), tuple(COMPONENTS), dtype, engine=engine).draw(0, SIZE[1])
+
+
+def assert_same_bits(a, b):
+    assert a.keys() == b.keys()
+    for name in a:
+        np.testing.assert_array_equal(a[name], b[name], err_msg=name)
+
+
+@pytest.mark.parametrize("name", list(raytrace.scenes()))
+@pytest.mark.parametrize("dtype", ["float32", "float64", "longdouble"])
+@pytest.mark.parametrize("intersection", ["textbook", "robust"])
+def test_skipping_changes_no_bit(name, dtype, intersection):
+    """Only the pixels that take a branch, against both sides of every branch for every pixel."""
+    scene = raytrace.load_scene(name)
+    assert_same_bits(draw(scene, dtype, None, intersection), draw(scene, dtype, Engine(), intersection))
+
+
+@settings(max_examples=50)
+@given(scenes())
+def test_skipping_changes_no_bit_of_any_scene(scene):
+    assert_same_bits(draw(scene, "float64"), draw(scene, "float64", Engine()))
+
+
+def test_without_the_steps_that_skip_shadows_the_image_is_the_same():
+    """Where nobody asks for the shadow, no ray is sent from surfaces that face away from the sun."""
+    options = {"size": SIZE, "backend": "numpy", "dtype": "float64"}
+    linear = raytrace.render("checkerboard", output="linear", **options)
+    np.testing.assert_array_equal(linear, raytrace.render("checkerboard", output="steps", **options)["linear"])
+
+
+@pytest.mark.parametrize("name", list(raytrace.scenes()))
+def test_float64_is_longdouble_but_for_rounding(name):
+    """At most 1e-11 apart, and no branch taken otherwise."""
+    options = {"size": (480, 270), "backend": "numpy", "output": "steps"}
+    double, wide = (raytrace.render(name, dtype=dtype, **options) for dtype in ("float64", "longdouble"))
+    np.testing.assert_array_equal(double["index"], wide["index"])
+    np.testing.assert_array_equal(double["shadow"], wide["shadow"])
+    np.testing.assert_allclose(double["display"], wide["display"], rtol=0, atol=1e-11)
+    assert wide["display"].dtype == np.longdouble
+
+
+@pytest.mark.parametrize("name", list(raytrace.scenes()))
+def test_the_formulas_agree_on_the_assignments_scenes(name):
+    """Textbook and robust, float64: 1e-12 in t."""
+    options = {"size": (480, 270), "backend": "numpy", "dtype": "float64", "output": "steps"}
+    textbook, robust = (raytrace.render(name, intersection=formula, **options) for formula in ("textbook", "robust"))
+    np.testing.assert_array_equal(textbook["index"], robust["index"])
+    # At a silhouette t is ill-conditioned: its error is that of the root of a discriminant near 0.
+    np.testing.assert_allclose(textbook["t"], robust["t"], rtol=0, atol=1e-12)
+
+
+def test_bands_are_the_whole(monkeypatch):
+    monkeypatch.setattr("raytrace.rendering.BAND", 96 * 10)
+    rendering = Rendering("checkerboard", SIZE, backend="numpy", dtype="float64")
+    bands = list(rendering.bands())
+    assert [len(band) for band in bands] == [10, 10, 10, 10, 10, 5]
+    np.testing.assert_array_equal(np.concatenate(bands), rendering.whole())
+
+
+def test_mirroring_the_scene_mirrors_the_image():
+    """In x: spheres, sun and camera. The image's columns are reversed, bit for bit."""
+    scene = raytrace.load_scene("shadows")
+    mirror = np.array([-1, 1, 1])
+    mirrored = raytrace.Scene(
+        spheres=raytrace.Spheres(scene.spheres.center * mirror, scene.spheres.radius, scene.spheres.color),
+        sun=raytrace.Sun(scene.sun.direction * mirror, scene.sun.color),
+        camera=scene.camera,
+    )
+    a, b = (raytrace.render(s, SIZE, backend="numpy", dtype="float64") for s in (scene, mirrored))
+    # u and 1 - u differ by a rounding, so the columns do too.
+    np.testing.assert_allclose(a[:, ::-1], b, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("k", [-3, 5])
+def test_scaling_the_world_scales_t_exactly(k):
+    """Spheres, plane and camera by 2**k: the same rays, and every t times 2**k, bit for bit."""
+    scale = 2.0**k
+    scene = raytrace.load_scene("checkerboard")
+    spheres, plane, camera = scene.spheres, scene.planes[0], scene.camera
+    scaled = raytrace.Scene(
+        spheres=raytrace.Spheres(spheres.center * scale, spheres.radius * scale, spheres.color),
+        planes=(raytrace.Plane(plane.point * scale, plane.normal, plane.pattern),),
+        camera=raytrace.PerspectiveCamera(camera.position * scale, camera.target * scale),
+    )
+    a, b = (draw(s, "float64") for s in (scene, scaled))
+    np.testing.assert_array_equal(a["index"], b["index"])
+    hit = a["index"] >= 0
+    np.testing.assert_array_equal(a["t"][hit] * scale, b["t"][hit])
+    np.testing.assert_array_equal(a["N"], b["N"])

@@ -1,0 +1,162 @@
+"""Derivatives of the image with respect to every float of the scene."""
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import raytrace
+from raytrace.backends.jax import Renderer, Staged
+from raytrace.scene import check_scene
+from raytrace.shader.film import develop
+from raytrace.shader.glsl import Vec3
+from raytrace.shader.pixel import Frame
+from raytrace.shader.uniforms import FilmUniforms
+from raytrace.uniforms import program_of, uniforms_of
+from tests.strategies import colors, directions, many, numbers, positions, spheres
+
+#: An odd height: the default camera is level, and the middle row's rays are parallel to the ground.
+SIZE = (48, 27)
+
+
+def assert_finite(gradient):
+    for path, leaf in jax.tree_util.tree_leaves_with_path(gradient):
+        assert np.isfinite(leaf).all(), jax.tree_util.keystr(path)
+
+
+@pytest.mark.parametrize("name", list(raytrace.scenes()))
+def test_every_derivative_is_finite(name):
+    scene = raytrace.load_scene(name)
+    assert_finite(jax.grad(lambda scene: raytrace.render(scene, SIZE).sum())(scene))
+
+
+@jax.jit
+def gradient_of_any(scene):
+    return jax.grad(lambda scene: raytrace.render(scene, SIZE).sum())(scene)
+
+
+@st.composite
+def worlds(draw):
+    """Scenes of one structure, for which the gradient is compiled once: their numbers are anything."""
+    spheres_ = draw(spheres(3, 3))
+    board = raytrace.Plane(draw(positions), draw(directions), raytrace.Checkerboard(draw(numbers(0.125, 4))))
+    slope = raytrace.Plane(draw(positions), draw(directions), raytrace.Plain(draw(colors)), casts_shadow=True)
+    position, angle, rise = draw(positions), draw(st.sampled_from([0.0, 0.7, 3.1])), draw(numbers(-1, 1))
+    return raytrace.Scene(
+        spheres=spheres_,
+        planes=(board, slope),
+        sun=raytrace.Sun(draw(directions), draw(colors)),
+        sky=raytrace.Sky(draw(colors), draw(colors), draw(colors)),
+        camera=raytrace.PerspectiveCamera(position, position + np.array([np.sin(angle), rise, np.cos(angle)])),
+    )
+
+
+@pytest.mark.slow
+@settings(max_examples=200)
+@given(worlds())
+def test_every_derivative_of_any_scene_is_finite(scene):
+    check_scene(scene)
+    assert_finite(gradient_of_any(scene))
+
+
+@pytest.mark.parametrize("tone_mapper", ["aces", "reinhard", "hable", "none"])
+@pytest.mark.parametrize("transfer", ["gamma2.2", "srgb", "none"])
+def test_black_and_nearly_black_have_a_finite_derivative(tone_mapper, transfer):
+    """The power's derivative at 0 would be infinite, and is defined as 0; towards 0 it is large."""
+    program = program_of(raytrace.Scene(film=raytrace.Film(tone_mapper=tone_mapper, transfer=transfer)), "robust")
+    x = jnp.array([0, 1e-45, 1.2e-38, 3e-38, 1e-37, 1e-20, 1, 1e4], jnp.float32)
+
+    def red(x):
+        return develop(Vec3(x, x, x), FilmUniforms(None, None), program).x
+
+    slope = jax.jit(jax.vmap(jax.grad(red)))(x)
+    assert np.isfinite(slope).all()
+    if transfer == "gamma2.2":
+        assert slope[0] == 0
+
+
+def test_a_black_image_has_finite_derivatives():
+    black = raytrace.Sky(low=[0, 0, 0], high=[0, 0, 0], void=[0, 0, 0])
+    scene = replace(raytrace.load_scene("checkerboard"), sky=black, sun=raytrace.Sun(color=[0, 0, 0]))
+    assert_finite(jax.grad(lambda scene: raytrace.render(scene, SIZE).sum())(scene))
+
+
+def lit_ball(x):
+    """Mean brightness of one lit sphere without shadow, silhouette and ground out of the way: it is smooth in `x`."""
+    direction, color, height = x
+    scene = raytrace.Scene(
+        spheres=raytrace.Spheres(jnp.array([[0.0, 0.0, 0.0]]), jnp.array([1.0]), color[None]),
+        sun=raytrace.Sun(direction=direction),
+        lighting="on",
+        camera=raytrace.PerspectiveCamera(position=jnp.array([0.0, 0.0, 3.0]).at[1].set(height), field_of_view=20.0),
+        film=raytrace.Film(exposure=color[0]),
+    )
+    return raytrace.render(scene, (16, 9), dtype="float64").mean()
+
+
+def test_derivatives_are_those_of_finite_differences():
+    with jax.enable_x64(True):
+        x = jnp.array([0.3, 0.5, 0.8]), jnp.array([0.5, 0.6, 0.7]), jnp.array(0.2)
+        gradient = jax.grad(lambda x: lit_ball(x))(x)
+        for k, part in enumerate(x):
+            for i in np.ndindex(part.shape):
+
+                def shifted(h, k=k, i=i):
+                    return lit_ball(tuple(p.at[i].add(h) if j == k else p for j, p in enumerate(x)))
+
+                # A step that the rounding of uniforms to float32 does not swallow.
+                difference = (shifted(2**-9) - shifted(-(2**-9))) / 2**-8
+                assert float(gradient[k][i]) == pytest.approx(float(difference), rel=2e-3, abs=2e-5)
+
+
+def test_forward_mode_is_reverse_mode():
+    scene = raytrace.load_scene("checkerboard")
+
+    def brightness(direction):
+        sunlit = replace(scene, sun=replace(scene.sun, direction=direction))
+        return raytrace.render(sunlit, SIZE, dtype="float64").mean()
+
+    with jax.enable_x64(True):
+        direction = jnp.array([1.0, 0.75, 1.0])
+        forward, reverse = np.asarray(jax.jacfwd(brightness)(direction)), np.asarray(jax.grad(brightness)(direction))
+    np.testing.assert_allclose(forward, reverse, rtol=1e-9)
+
+
+def test_loops_that_stay_loops_have_the_same_derivatives():
+    """With many spheres the winner's body is run again for the derivative; with few, the loop is written out."""
+    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(12))
+
+    def brightness(scene, engine):
+        uniforms, program = uniforms_of(scene, SIZE[0] / SIZE[1]), program_of(scene, "robust")
+        image = Renderer(uniforms, program, Frame(*SIZE), ("display",), "float32", engine=engine).draw(0, SIZE[1])
+        return image["display"].mean()
+
+    written_out, looped = (jax.grad(brightness)(scene, Staged(few=few)) for few in (16, 2))
+    jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-3, atol=1e-6), written_out, looped)
+
+
+def test_gradients_pass_the_rounding_to_float32():
+    """In float64 the uniforms are rounded, and yet the derivative by the sun's colour is that without rounding."""
+    with jax.enable_x64(True):
+        scene = raytrace.load_scene("lit-sphere")
+        rounded, exact = (
+            jax.grad(
+                lambda color, exact=exact: raytrace.render(
+                    replace(scene, sun=replace(scene.sun, color=color)), SIZE, dtype="float64", exact_inputs=exact
+                ).mean()
+            )(jnp.array([1.64, 1.27, 0.99]))
+            for exact in (False, True)
+        )
+        rounded, exact = np.asarray(rounded), np.asarray(exact)
+    assert (rounded > 0).all()
+    np.testing.assert_allclose(rounded, exact, rtol=1e-6)
+    assert not np.array_equal(rounded, exact)
+
+
+def test_samples_are_differentiable():
+    scene = raytrace.load_scene("lit-sphere")
+    assert_finite(jax.grad(lambda scene: raytrace.render(scene, SIZE, samples=3).sum())(scene))
