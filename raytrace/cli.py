@@ -1,10 +1,11 @@
 """The command line: parse, call, print."""
 
 import json
+import os
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated
@@ -68,9 +69,10 @@ def render(
     )
     width, height, _ = rendering.frame
     seconds = 0.0
-    with image_file(
-        out, (width, height), output=rendering.output, bits=bits, metadata=rendering.metadata()
-    ) as file, _progress(height) as advance:
+    with (
+        image_file(out, (width, height), output=rendering.output, bits=bits, metadata=rendering.metadata()) as file,
+        _progress(height) as advance,
+    ):
         compiling = time.perf_counter()
         rendering.compile()
         started = time.perf_counter()
@@ -166,20 +168,29 @@ def _without_command(
 _UsageError = typer.BadParameter.__mro__[2]
 
 
+_INTERRUPTED = 130
+
+
 def run() -> None:
     """The command `raytrace`: 0 if all went well, 2 for bad input, with one line that says what; 130 for Ctrl-C."""
     try:
         code = app(standalone_mode=False)
+        if code == _INTERRUPTED:  # typer's own answer to Ctrl-C
+            raise KeyboardInterrupt
     except InputError as error:
         code = _failed(str(error))
     except _UsageError as error:
         code = _failed(error.format_message())
     except (KeyboardInterrupt, typer.Abort):
-        code = _failed("interrupted", 130)
+        code = _failed("interrupted", _INTERRUPTED)
     except BrokenPipeError:
-        sys.stderr.close()
         code = 1
-    sys.exit(code)
+    # Not by way of the interpreter's end: after an interruption XLA may still be computing in a thread of its own,
+    # and would crash when the interpreter is taken down under it.
+    with suppress(BrokenPipeError):
+        sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code or 0)
 
 
 def _failed(message: str, code: int = 2) -> int:

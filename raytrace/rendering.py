@@ -165,10 +165,10 @@ def render(
     ).whole()
 
 
-def _check(
-    size: Any, backend: str, dtype: str, samples: int, output: str, intersection: str | None
-) -> None:
-    sides = isinstance(size, tuple | list) and len(size) == 2 and all(isinstance(side, int | np.integer) for side in size)
+def _check(size: Any, backend: str, dtype: str, samples: int, output: str, intersection: str | None) -> None:
+    sides = (
+        isinstance(size, tuple | list) and len(size) == 2 and all(isinstance(side, int | np.integer) for side in size)
+    )
     if not sides or not all(1 <= side <= LARGEST_SIDE for side in size):
         raise InputError(f"size: must be (width, height), each from 1 to {LARGEST_SIDE} pixels, found {size!r}")
     _choice("backend", backend, BACKENDS)

@@ -4,7 +4,16 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.scene.data import Camera, Checkerboard, MatrixCamera, OrthographicCamera, PerspectiveCamera, Plain, Plane, Scene
+from raytrace.scene.data import (
+    Camera,
+    Checkerboard,
+    MatrixCamera,
+    OrthographicCamera,
+    PerspectiveCamera,
+    Plain,
+    Plane,
+    Scene,
+)
 from raytrace.shader import uniforms as shader
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
 from raytrace.shader.glsl import Mat3, Mat4, Vec3, Vec4, cross, normalize

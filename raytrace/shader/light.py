@@ -39,9 +39,7 @@ def shadow_ray(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program) -> Floa
 
 
 @step
-def light_at_point(
-    point: Vec3, N: Vec3, uniforms: Uniforms, program: Program, every_shadow: bool = False
-) -> Light:
+def light_at_point(point: Vec3, N: Vec3, uniforms: Uniforms, program: Program, every_shadow: bool = False) -> Light:
     """The light that a surface with unit normal `N` receives at `point`: Lambert's sun and a share of the sky.
 
     Where the surface faces away from the sun no shadow ray is sent, unless `every_shadow` asks for its value.

@@ -54,9 +54,7 @@ class Literal:
     def like(self, operand: Any) -> Any:
         """This number in the arithmetic of the array `operand`, of shape ()."""
         xp = namespace(operand)
-        numerator, denominator = (
-            xp.asarray(float(n), dtype=operand.dtype) for n in self.value.as_integer_ratio()
-        )
+        numerator, denominator = (xp.asarray(float(n), dtype=operand.dtype) for n in self.value.as_integer_ratio())
         return numerator / denominator
 
     __add__, __radd__ = _operator(operator.add)

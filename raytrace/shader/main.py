@@ -70,9 +70,9 @@ def main(uniforms: Uniforms, program: Program, pixel_ndc: Vec2, keep: tuple[str,
         zero = constant(0, rd.x)
         black = Vec3(zero, zero, zero)
         color = background_color(rd, uniforms.sky, uniforms.sun) if "linear" in fields else black
-        return Steps(
-            hitPoint=black, N=black, NdL=zero, NdSky=zero, shadow=zero, albedo=black, linear=color
-        ).only(fields)
+        return Steps(hitPoint=black, N=black, NdL=zero, NdSky=zero, shadow=zero, albedo=black, linear=color).only(
+            fields
+        )
 
     if uniforms.spheres is None and uniforms.planes is None:
         steps = background(ro, rd, hit)

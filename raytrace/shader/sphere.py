@@ -89,9 +89,7 @@ def closest_sphere_intersect(
 
 
 @step
-def any_sphere_intersect(
-    ro: Vec3, rd: Vec3, spheres: Sphere | None, intersection: str = "textbook"
-) -> Bool:
+def any_sphere_intersect(ro: Vec3, rd: Vec3, spheres: Sphere | None, intersection: str = "textbook") -> Bool:
     """Whether the ray meets any sphere at t >= 0: ``closestSphereIntersect(...) >= 0``, which needs no order."""
 
     def body(blocked, _, sphere, ro, rd):

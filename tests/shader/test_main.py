@@ -42,9 +42,7 @@ def test_nothing_is_nearer_than_what_is_seen(scene, ro, rd):
     t, index = seen(scene, ro, unit(rd))
     spheres = len(scene.spheres.radius)
     for i in range(spheres):
-        alone = raytrace.Scene(
-            spheres=raytrace.Spheres(*(x[i : i + 1] for x in vars(scene.spheres).values()))
-        )
+        alone = raytrace.Scene(spheres=raytrace.Spheres(*(x[i : i + 1] for x in vars(scene.spheres).values())))
         other, hit = seen(alone, ro, unit(rd))
         assert hit < 0 or (0 < t <= other)
     for plane in scene.planes:

@@ -17,7 +17,9 @@ def test_pixel_centres_by_hand():
 def test_samples_by_hand():
     """2 x 2 samples of the pixel (0, 0) of 1 x 1: a quarter and three quarters across and down."""
     grid = sample_grid(2, np.float64(0))
-    uv = [texture_coordinates(np.float64(0), np.float64(0), Vec2(*xy), Frame(1, 1, 2)) for xy in zip(*grid, strict=True)]
+    uv = [
+        texture_coordinates(np.float64(0), np.float64(0), Vec2(*xy), Frame(1, 1, 2)) for xy in zip(*grid, strict=True)
+    ]
     assert sorted(uv) == [(0.25, 0.25), (0.25, 0.75), (0.75, 0.25), (0.75, 0.75)]
 
 

@@ -1,0 +1,66 @@
+"""Images out of files."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from raytrace.errors import InputError
+from raytrace.image.formats import metadata_of
+from raytrace.image.layers import STEP_CHANNELS, steps_of
+from raytrace.image.messages import quiet, told
+
+__all__ = ["read_image", "read_metadata"]
+
+
+def read_image(path: str | Path) -> Any:
+    """The image in a file: a float32 array (height, width, 3), integers divided by their largest value.
+
+    A file of steps, as `write_image` writes it, gives the dict of steps. Grey is repeated; alpha is left out.
+
+    Raises:
+        InputError: there is no such file, or it is not a whole image.
+    """
+    import OpenImageIO as oiio
+
+    path = Path(path)
+    file = _opened(path)
+    try:
+        spec = file.spec()
+        with quiet():
+            pixels = file.read_image(0, 0, 0, spec.nchannels, oiio.FLOAT)
+        if pixels is None or file.has_error:
+            raise InputError(f"{path}: is not a whole image: {told(file)}")
+    finally:
+        file.close()
+    planes = {name: pixels[..., k] for k, name in enumerate(spec.channelnames)}
+    if planes.keys() >= set(STEP_CHANNELS):
+        return steps_of(planes)
+    if planes.keys() >= {"R", "G", "B"}:
+        return np.stack([planes["R"], planes["G"], planes["B"]], axis=-1)
+    return np.repeat(pixels[..., :1], 3, axis=-1)
+
+
+def read_metadata(path: str | Path) -> dict[str, str]:
+    """The texts that `write_image` was given to store with an image.
+
+    Raises:
+        InputError: there is no such file, or it is not an image.
+    """
+    file = _opened(Path(path))
+    try:
+        return metadata_of({attribute.name: attribute.value for attribute in file.spec().extra_attribs})
+    finally:
+        file.close()
+
+
+def _opened(path: Path) -> Any:
+    import OpenImageIO as oiio
+
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    with quiet():
+        file = oiio.ImageInput.open(str(path))
+    if file is None:
+        raise InputError(f"{path}: is not an image: {told(oiio)}")
+    return file

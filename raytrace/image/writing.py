@@ -1,0 +1,118 @@
+"""Images into files, at once or from the top down while they are rendered."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from raytrace.errors import InputError
+from raytrace.files import whole_file
+from raytrace.image.formats import attributes, file_format
+from raytrace.image.layers import STEP_CHANNELS, step_channels
+from raytrace.image.messages import quiet, told
+
+__all__ = ["ImageFile", "image_file", "write_image"]
+
+
+class ImageFile:
+    """An image file that is being written from the top down."""
+
+    def __init__(self, file: Any, path: Path, kind: str, steps: bool):
+        self._file, self._path, self._kind, self._steps = file, path, kind, steps
+        self.rows = 0
+
+    def write(self, band: Any) -> None:
+        """Appends rows: an array (rows, width, components) or, for steps, the dict of them."""
+        pixels = step_channels(band) if self._steps else np.asarray(band)
+        if self._kind.startswith("uint"):
+            pixels = _quantized(pixels, np.dtype(self._kind))
+        else:
+            pixels = pixels.astype(np.float32, copy=False)
+        last = self.rows + len(pixels)
+        if not self._file.write_scanlines(self.rows, last, 0, np.ascontiguousarray(pixels)):
+            raise InputError(f"{self._path}: cannot be written: {told(self._file)}")
+        self.rows = last
+
+
+@contextmanager
+def image_file(
+    path: str | Path,
+    size: tuple[int, int],
+    *,
+    output: str = "display",
+    bits: int | None = None,
+    metadata: Mapping[str, str] | None = None,
+) -> Iterator[ImageFile]:
+    """A file of `size` (width, height) to be written by the body; it appears whole when the body ends well.
+
+    output: what the values are: "display", "linear", or "steps" (one OpenEXR file with a layer for each step).
+    bits: of a channel: 8 or 16 for PNG, 8, 16 or 32 (float) for TIFF, 16 (half) or 32 (float) for OpenEXR.
+    metadata: texts that are stored with it, under their names with "raytrace:" in front.
+
+    Raises:
+        InputError: the format cannot hold this, or the file cannot be written.
+    """
+    import OpenImageIO as oiio
+
+    path = Path(path)
+    offered = file_format(path).bits
+    kind = offered.get(bits or next(iter(offered)))
+    if kind is None:
+        raise InputError(
+            f"{path}: {path.suffix} has no {bits} bits a channel; there is: {', '.join(map(str, offered))}"
+        )
+    if output == "steps" and path.suffix.lower() != ".exr":
+        raise InputError(f"{path}: output 'steps' has many layers, which only .exr can hold")
+    steps = output == "steps"
+    names = STEP_CHANNELS if steps else ["R", "G", "B"]
+    with whole_file(path) as temporary:
+        spec = oiio.ImageSpec(*size, len(names), kind)
+        spec.channelnames = tuple(names)
+        for name, value in attributes(path, output, metadata or {}).items():
+            spec.attribute(name, value)
+        file = oiio.ImageOutput.create(str(temporary))
+        if file is None or not file.open(str(temporary), spec):
+            raise InputError(f"{path}: cannot be written: {told(file or oiio)}")
+        writer = ImageFile(file, path, kind, steps)
+        try:
+            yield writer
+        except BaseException:
+            with quiet():
+                file.close()
+            raise
+        # An incomplete file is closed without a complaint, and an error may be told only by the text.
+        closed = file.close()
+        complaint = told(file)
+        if not closed or complaint or writer.rows != size[1]:
+            raise InputError(f"{path}: cannot be written: {complaint or 'it is incomplete'}")
+
+
+def write_image(
+    path: str | Path,
+    image: Any,
+    *,
+    output: str = "display",
+    bits: int | None = None,
+    metadata: Mapping[str, str] | None = None,
+) -> None:
+    """Writes an image (height, width, 3), or the dict of steps, to a file; the arguments are those of `image_file`.
+
+    Integers are round(x * (2**bits - 1)) of x clamped to [0, 1]; OpenEXR and float TIFF keep every value.
+
+    Raises:
+        InputError: the image is of another shape, the format cannot hold it, or the file cannot be written.
+    """
+    first = next(iter(image.values())) if isinstance(image, dict) else image
+    if not isinstance(image, dict) and (np.ndim(image) != 3 or np.shape(image)[2] != 3):
+        raise InputError(f"{path}: an image is an array (height, width, 3), found {np.shape(image)}")
+    height, width = np.shape(first)[:2]
+    output = "steps" if isinstance(image, dict) else output
+    with image_file(path, (width, height), output=output, bits=bits, metadata=metadata) as file:
+        file.write(image)
+
+
+def _quantized(pixels: np.ndarray, integer: np.dtype) -> np.ndarray:
+    scaled = np.clip(pixels, 0, 1) * np.iinfo(integer).max
+    return np.rint(scaled).astype(integer)
