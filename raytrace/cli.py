@@ -12,6 +12,7 @@ from typing import Annotated
 
 import typer
 
+from raytrace.bench import plain_jit_timings, scene_timings
 from raytrace.errors import InputError
 from raytrace.image import file_format, image_file
 from raytrace.rendering import Rendering
@@ -129,6 +130,21 @@ def pixel(
         exact_inputs=exact_inputs,
     )
     print(pixel_report(rendering, x, y))
+
+
+@app.command()
+def bench(
+    size: Size = "1920x1080",
+    runs: Annotated[int, typer.Option(min=1, help="Frames that are timed, after one that is not.")] = 5,
+    plain_jit: Annotated[
+        bool, typer.Option("--plain-jit", help="Instead: the default scene against one plain jit (minutes).")
+    ] = False,
+) -> None:
+    """Time a frame of each built-in scene on each backend, compilation apart."""
+    timings = plain_jit_timings if plain_jit else scene_timings
+    print(f"{'scene':14} {'how':14} {'median ms':>10} {'fastest':>10} {'slowest':>10}", flush=True)
+    for row in timings(_size(size), runs):
+        print(f"{row.scene:14} {row.how:14} {row.median:10.1f} {row.fastest:10.1f} {row.slowest:10.1f}", flush=True)
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from importlib.metadata import version
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from raytrace.errors import InputError, did_you_mean
 from raytrace.scene.check import check_scene, is_traced
 from raytrace.scene.data import Scene, concrete
 from raytrace.scene.toml import load_scene, scene_hash, scene_toml
+from raytrace.shader.control import Engine
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.shader.sphere import INTERSECTIONS
@@ -33,7 +33,7 @@ BAND = 1 << 22
 class Rendering:
     """A scene and all choices made for its image, checked; rendered as a whole or in bands.
 
-    Takes what `render` takes and raises what it raises.
+    Takes what `render` takes and raises what it raises. `engine` replaces the backend's own.
     """
 
     def __init__(
@@ -47,6 +47,7 @@ class Rendering:
         output: str = "display",
         intersection: str | None = None,
         exact_inputs: bool = False,
+        engine: Engine | None = None,
     ):
         _check(size, backend, dtype, samples, output, intersection)
         scene = scene if isinstance(scene, Scene) else load_scene(scene)
@@ -69,6 +70,7 @@ class Rendering:
             OUTPUTS[output],
             dtype,
             exact_inputs,
+            engine,
         )
 
     def whole(self) -> Any:

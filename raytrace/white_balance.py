@@ -21,10 +21,8 @@ def adaptation_matrix(white_point: float | tuple[float, float]) -> np.ndarray:
         warnings.simplefilter("ignore")  # of what colour could do if more were installed
         import colour
 
-    if isinstance(white_point, tuple):
-        xy = np.array(white_point)
-    else:
-        xy = colour.temperature.CCT_to_xy_Kang2002(white_point)
+    given_xy = isinstance(white_point, tuple)
+    xy = np.array(white_point) if given_xy else colour.temperature.CCT_to_xy_Kang2002(white_point)
     srgb = colour.RGB_COLOURSPACES["sRGB"]
     adaptation = colour.adaptation.matrix_chromatic_adaptation_VonKries(
         colour.xy_to_XYZ(xy), colour.xy_to_XYZ(srgb.whitepoint), transform="Bradford"

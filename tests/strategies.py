@@ -61,7 +61,7 @@ def cameras(draw):
     """A camera somewhere, turned about y first: it never looks along up."""
     position = np.array(draw(positions))
     angle, height = draw(numbers(-3, 3)), draw(numbers(-1, 1))
-    placed = {"position": position, "target": position + [np.sin(angle), height, np.cos(angle)]}
+    placed = {"position": position, "target": position + np.array([np.sin(angle), height, np.cos(angle)])}
     if draw(st.booleans()):
         return raytrace.PerspectiveCamera(**placed, field_of_view=draw(numbers(10, 120)))
     return raytrace.OrthographicCamera(**placed, height=draw(numbers(0.5, 20)))

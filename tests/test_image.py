@@ -95,13 +95,19 @@ def test_what_cannot_be_written(image):
     assert {file.name for file in Path().iterdir()} == {"folder.png", "text"}
 
 
+def begin(image, end=None):
+    with image_file("a.exr", (5, 7)) as file:
+        file.write(image[:3])
+        if end is not None:
+            raise end
+
+
 def test_an_interrupted_file_does_not_appear(image):
     Path("a.exr").write_text("mine")
-    with pytest.raises(KeyboardInterrupt), image_file("a.exr", (5, 7)) as file:
-        file.write(image[:3])
-        raise KeyboardInterrupt
-    with pytest.raises(raytrace.InputError, match="incomplete"), image_file("a.exr", (5, 7)) as file:
-        file.write(image[:3])
+    with pytest.raises(KeyboardInterrupt):
+        begin(image, KeyboardInterrupt)
+    with pytest.raises(raytrace.InputError, match="incomplete"):
+        begin(image)
     assert [file.name for file in Path().iterdir()] == ["a.exr"]
     assert Path("a.exr").read_text() == "mine"
 

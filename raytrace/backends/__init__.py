@@ -24,7 +24,8 @@ class Renderer(Protocol):
     """What a backend's class `Renderer` is: made of a scene's uniforms, it renders rows on demand.
 
     It is called with the uniforms in double, the program, the frame, the names of the steps to keep, the dtype,
-    and `exact_inputs`: without it, every uniform is rounded once to float32 before it is carried in the dtype.
+    `exact_inputs` (without it, every uniform is rounded once to float32 before it is carried in the dtype) and an
+    engine, where it is not the backend's own.
     """
 
     def compile(self, count: int) -> None:

@@ -23,7 +23,6 @@ from raytrace.shader.glsl import select
 from raytrace.shader.hit import Hit
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame, pixels
-from raytrace.shader.tree import tree_map
 from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = ["OneProgram", "Renderer", "Staged"]
@@ -196,7 +195,7 @@ class Renderer:
         self.borrows_x64 = dtype == "float64" and not jax.config.jax_enable_x64
         if self.traced and self.borrows_x64:
             raise InputError(
-                "dtype float64: JAX is tracing in 32 bit; set jax_enable_x64 first, or trace within jax.enable_x64(True)"
+                "dtype float64: JAX is tracing in 32 bit; set jax_enable_x64, or trace within jax.enable_x64(True)"
             )
         self.choices = (program, frame, keep, dtype, engine or Staged())
         with self._x64():

@@ -21,25 +21,28 @@ def change(document: dict, setting: str) -> None:
     parts = _parts(path)
     if not equals or not parts:
         raise InputError(f"--set {setting}: must be key=value, such as sun.direction=[0,1,0]")
+    *parents, last = parts
     place = document
-    for part, following in zip(parts, parts[1:], strict=False):
-        if isinstance(part, str) and isinstance(place, dict):
-            place = place.setdefault(part, {}) if isinstance(following, str) else place.get(part)
-        else:
-            place = _item(place, part)
-        if not isinstance(place, dict | list):
-            raise InputError(f"--set {setting}: the scene has no {path} to set")
-    last = parts[-1]
-    if isinstance(last, int):
-        if _item(place, last) is None:
-            raise InputError(f"--set {setting}: the scene has no {path} to set")
-    elif not isinstance(place, dict):
-        raise InputError(f"--set {setting}: the scene has no {path} to set")
+    try:
+        for part in parents:
+            place = _entered(place, part)
+        _entered(place, last)
+    except LookupError:
+        raise InputError(f"--set {setting}: the scene has no {path} to set") from None
     place[last] = _value(text.strip())
 
 
-def _item(place: object, index: str | int) -> object:
-    return place[index] if isinstance(place, list) and isinstance(index, int) and index < len(place) else None
+def _entered(place: object, part: str | int) -> object:
+    """What is at `part` of a table (an empty table where there is nothing yet) or of a list.
+
+    Raises:
+        LookupError: `place` is neither, or the list is shorter.
+    """
+    if isinstance(place, dict) and isinstance(part, str):
+        return place.setdefault(part, {})
+    if isinstance(place, list) and isinstance(part, int):
+        return place[part]
+    raise LookupError(part)
 
 
 def _parts(path: str) -> list[str | int]:

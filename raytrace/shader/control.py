@@ -54,7 +54,8 @@ class Engine:
         return x
 
 
-_engine: ContextVar[Engine] = ContextVar("raytrace_engine", default=Engine())
+_PLAIN = Engine()
+_engine: ContextVar[Engine] = ContextVar("raytrace_engine", default=_PLAIN)
 
 
 @contextmanager

@@ -196,9 +196,9 @@ def isfinite(x: Array) -> Array:
     return namespace(x).isfinite(x)
 
 
-def smallest_normal(x: Array) -> Array:
-    """The smallest positive normal number of the arithmetic of `x`, of shape ()."""
-    return constant(namespace(x).finfo(x.dtype).smallest_normal, x)
+def smallest_normal(x: Array, times: int = 1) -> Array:
+    """The smallest positive normal number of the arithmetic of `x`, of shape (), or so many times that."""
+    return constant(times * namespace(x).finfo(x.dtype).smallest_normal, x)
 
 
 def sqrt(x: Array) -> Array:
@@ -239,7 +239,7 @@ def pow(x: Any, y: Any) -> Any:
             return x
         # Not the smallest normal number itself: the derivative divides by it and by ln 2, which a compiler may
         # take for one division by a product, and that would underflow.
-        positive = maximum(x, 4 * smallest_normal(x))
+        positive = maximum(x, smallest_normal(x, times=4))
         return select(x > 0, exp2(y * log2(positive)), 0)
 
     return tree_map(leaf, x)

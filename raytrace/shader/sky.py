@@ -3,7 +3,6 @@
 from raytrace.shader.control import branch, step
 from raytrace.shader.glsl import Vec3, dot, maximum, mix, normalize, pow
 from raytrace.shader.literal import literal
-from raytrace.shader.types import Float
 from raytrace.shader.uniforms import Sky, Sun
 
 __all__ = ["background_color"]

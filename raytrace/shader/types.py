@@ -4,7 +4,7 @@ The tests check them at run time (jaxtyping and beartype).
 """
 
 import re
-from typing import Any
+from typing import Any, ClassVar
 
 from jaxtyping import AbstractDtype
 from jaxtyping import Bool as BoolDtype
@@ -16,7 +16,7 @@ __all__ = ["Array", "Bool", "Float", "Int"]
 class Real(AbstractDtype):
     """Floating point of any width, and number types of one's own whose names have "float" in them."""
 
-    dtypes = [re.compile(".*float.*|longdouble")]
+    dtypes: ClassVar = [re.compile(".*float.*|longdouble")]
 
 
 #: An array of any conforming library: NumPy, JAX (concrete or traced), or a type of one's own.
