@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from raytrace.backends import BACKENDS, renderer
+from raytrace.backends.job import Job
 from raytrace.errors import InputError, did_you_mean
 from raytrace.scene.check import check_scene, is_traced
 from raytrace.scene.data import Scene, concrete
@@ -62,16 +63,8 @@ class Rendering:
         self.scene, self.backend, self.dtype, self.output = scene, backend, dtype, output
         self.intersection, self.exact_inputs = intersection, exact_inputs
         self.frame = Frame(*map(int, size), samples=int(samples))
-        self.renderer = renderer(
-            backend,
-            uniforms_of(scene, self.frame.width / self.frame.height),
-            program_of(scene, intersection),
-            self.frame,
-            OUTPUTS[output],
-            dtype,
-            exact_inputs,
-            engine,
-        )
+        job = Job(program_of(scene, intersection), self.frame, OUTPUTS[output], dtype, exact_inputs, engine)
+        self.renderer = renderer(backend, uniforms_of(scene, self.frame.width / self.frame.height), job)
 
     def whole(self) -> Any:
         """The image, or the dict of steps."""

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 import raytrace
 from raytrace.backends.jax import Renderer, Staged
+from raytrace.backends.job import Job
 from raytrace.scene import check_scene
 from raytrace.shader.film import develop
 from raytrace.shader.glsl import Vec3
@@ -132,8 +133,8 @@ def test_loops_that_stay_loops_have_the_same_derivatives():
 
     def brightness(scene, engine):
         uniforms, program = uniforms_of(scene, SIZE[0] / SIZE[1]), program_of(scene, "robust")
-        image = Renderer(uniforms, program, Frame(*SIZE), ("display",), "float32", engine=engine).draw(0, SIZE[1])
-        return image["display"].mean()
+        job = Job(program, Frame(*SIZE), ("display",), "float32", engine=engine)
+        return Renderer(uniforms, job).draw(0, SIZE[1])["display"].mean()
 
     written_out, looped = (jax.grad(brightness)(scene, Staged(few=few)) for few in (16, 2))
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-3, atol=1e-6), written_out, looped)

@@ -3,6 +3,9 @@
 from importlib import import_module
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
+from raytrace.backends.job import Job
+from raytrace.shader.uniforms import Uniforms
+
 __all__ = ["BACKENDS", "Renderer", "renderer"]
 
 
@@ -23,9 +26,7 @@ BACKENDS = {
 class Renderer(Protocol):
     """What a backend's class `Renderer` is: made of a scene's uniforms, it renders rows on demand.
 
-    It is called with the uniforms in double, the program, the frame, the names of the steps to keep, the dtype,
-    `exact_inputs` (without it, every uniform is rounded once to float32 before it is carried in the dtype) and an
-    engine, where it is not the backend's own.
+    It is made of the uniforms, in double, and a `Job`.
     """
 
     def compile(self, count: int) -> None:
@@ -38,6 +39,6 @@ class Renderer(Protocol):
         """
 
 
-def renderer(backend: str, *args: Any, **options: Any) -> Renderer:
+def renderer(backend: str, uniforms: Uniforms, job: Job) -> Renderer:
     """The renderer of the backend of that name."""
-    return import_module(BACKENDS[backend].module).Renderer(*args, **options)
+    return import_module(BACKENDS[backend].module).Renderer(uniforms, job)

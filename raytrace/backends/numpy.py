@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from raytrace.backends.job import Job
 from raytrace.shader.control import Engine, running
 from raytrace.shader.main import COMPONENTS
-from raytrace.shader.pixel import Frame, pixels
+from raytrace.shader.pixel import pixels
 from raytrace.shader.tree import tree_map
-from raytrace.shader.uniforms import Program, Uniforms
+from raytrace.shader.uniforms import Uniforms
 
 __all__ = ["Masked", "Renderer"]
 
@@ -46,32 +47,25 @@ class Masked(Engine):
         return tree_map(merged, then(*of(chosen)), other(*of(rest)))
 
 
+_MASKED = Masked()
+
+
 class Renderer:
     """A scene, ready to be rendered; see `raytrace.backends.Renderer`."""
 
-    def __init__(
-        self,
-        uniforms: Uniforms,
-        program: Program,
-        frame: Frame,
-        keep: tuple[str, ...],
-        dtype: str,
-        exact_inputs: bool = False,
-        engine: Engine | None = None,
-    ):
-        number = np.dtype(dtype).type
-        self.uniforms = tree_map(lambda x: number(x if exact_inputs else np.float32(x)), uniforms)
-        self.program, self.frame, self.keep, self.dtype = program, frame, keep, dtype
-        self.engine = engine or Masked()
+    def __init__(self, uniforms: Uniforms, job: Job):
+        number = np.dtype(job.dtype).type
+        self.uniforms = tree_map(lambda x: number(x if job.exact_inputs else np.float32(x)), uniforms)
+        self.job = job
 
     def compile(self, count: int) -> None:
         """Nothing to compile."""
 
     def draw(self, first: int, count: int) -> dict[str, np.ndarray]:
-        images = {name: _empty(name, count, self.frame.width, self.dtype) for name in self.keep}
-        rows = max(1, BLOCK // self.frame.width)
+        images = {name: _empty(name, count, self.job.frame.width, self.job.dtype) for name in self.job.keep}
+        rows = max(1, BLOCK // self.job.frame.width)
         starts = range(0, count, rows)
-        pool = ThreadPoolExecutor(len(os.sched_getaffinity(0)))
+        pool = ThreadPoolExecutor(_cores())
         try:
             for block in [pool.submit(self._fill, images, first, slice(start, start + rows)) for start in starts]:
                 block.result()
@@ -84,10 +78,10 @@ class Renderer:
         """Renders those rows of `images`, whose row 0 is the image's row `first`."""
         parts = {name: image[rows] for name, image in images.items()}
         height = len(next(iter(parts.values())))
-        column = np.arange(self.frame.width, dtype=self.dtype)[None, :]
-        row = np.arange(first + rows.start, first + rows.start + height, dtype=self.dtype)[:, None]
-        with running(self.engine), np.errstate(all="ignore"):
-            steps = pixels(self.uniforms, self.program, column, row, self.frame, self.keep)
+        column = np.arange(self.job.frame.width, dtype=self.job.dtype)[None, :]
+        row = np.arange(first + rows.start, first + rows.start + height, dtype=self.job.dtype)[:, None]
+        with running(self.job.engine or _MASKED), np.errstate(all="ignore"):
+            steps = pixels(self.uniforms, self.job.program, column, row, self.job.frame, self.job.keep)
         for name, part in parts.items():
             if COMPONENTS[name] == 1:
                 part[...] = getattr(steps, name)
@@ -100,3 +94,8 @@ def _empty(name: str, height: int, width: int, dtype: str) -> np.ndarray:
     components = COMPONENTS[name]
     shape = (height, width) if components == 1 else (height, width, components)
     return np.empty(shape, np.int32 if name == "index" else dtype)
+
+
+def _cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -9,6 +9,7 @@ import pytest
 
 import raytrace
 from raytrace.backends.jax import OneProgram, Renderer, Staged
+from raytrace.backends.job import Job
 from raytrace.rendering import Rendering
 from raytrace.shader.pixel import Frame
 from raytrace.uniforms import program_of, uniforms_of
@@ -51,7 +52,8 @@ def test_float32_is_near_float64():
 
 def engine_image(scene, engine, size=(64, 36), dtype="float32"):
     uniforms, program = uniforms_of(scene, size[0] / size[1]), program_of(scene, "robust")
-    return Renderer(uniforms, program, Frame(*size), ("display",), dtype, engine=engine).draw(0, size[1])["display"]
+    job = Job(program, Frame(*size), ("display",), dtype, engine=engine)
+    return Renderer(uniforms, job).draw(0, size[1])["display"]
 
 
 def test_the_engines_agree():
@@ -133,7 +135,7 @@ def test_a_whole_scene_passes_through_jit():
 
 
 def test_another_scenes_values_are_not_compiled_again():
-    from raytrace.backends.jax import _compiled
+    from raytrace.backends.jax.renderer import _compiled
 
     scene = raytrace.load_scene("checkerboard")
     raytrace.render(scene, (40, 20))

@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given, settings
 
 import raytrace
+from raytrace.backends.job import Job
 from raytrace.backends.numpy import Renderer
 from raytrace.rendering import Rendering
 from raytrace.shader.control import Engine
@@ -16,7 +17,8 @@ SIZE = (96, 55)
 
 def draw(scene, dtype, engine=None, intersection="textbook"):
     uniforms, program = uniforms_of(scene, SIZE[0] / SIZE[1]), program_of(scene, intersection)
-    return Renderer(uniforms, program, Frame(*SIZE), tuple(COMPONENTS), dtype, engine=engine).draw(0, SIZE[1])
+    job = Job(program, Frame(*SIZE), tuple(COMPONENTS), dtype, engine=engine)
+    return Renderer(uniforms, job).draw(0, SIZE[1])
 
 
 def assert_same_bits(a, b):

@@ -1,0 +1,27 @@
+"""What a backend is asked for, but for the scene's numbers."""
+
+from dataclasses import dataclass
+
+from raytrace.shader.control import Engine
+from raytrace.shader.pixel import Frame
+from raytrace.shader.uniforms import Program
+
+__all__ = ["Job"]
+
+
+@dataclass(frozen=True)
+class Job:
+    """The choices of one rendering; hashable, so that a compiled program can be kept for it.
+
+    keep: the names of the steps to give back (`raytrace.shader.Steps`).
+    dtype: the arithmetic.
+    exact_inputs: carry the scene's numbers as they are, instead of rounding each once to float32 before.
+    engine: instead of the backend's own.
+    """
+
+    program: Program
+    frame: Frame
+    keep: tuple[str, ...]
+    dtype: str
+    exact_inputs: bool = False
+    engine: Engine | None = None
