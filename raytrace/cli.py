@@ -180,8 +180,8 @@ def _without_command(
         print(context.get_help())
 
 
-# Of typer's own errors (typer.BadParameter is one) this is the common base, wherever the class is kept.
-_UsageError = typer.BadParameter.__mro__[2]
+# The common base of typer's own errors, of which typer.BadParameter is one, wherever the class is kept.
+_UsageError = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
 
 
 _INTERRUPTED = 130

@@ -10,9 +10,9 @@ import numpy as np
 from raytrace.backends import BACKENDS, renderer
 from raytrace.backends.job import Job
 from raytrace.errors import InputError, did_you_mean
-from raytrace.scene.check import check_scene, is_traced
+from raytrace.scene.check import check_choices, check_scene, is_traced
 from raytrace.scene.data import Scene, concrete
-from raytrace.scene.toml import load_scene, scene_hash, scene_toml
+from raytrace.scene.toml import DEFAULT_SCENE, load_scene, scene_hash, scene_toml
 from raytrace.shader.control import Engine
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
@@ -39,7 +39,7 @@ class Rendering:
 
     def __init__(
         self,
-        scene: Scene | str | Path = "checkerboard",
+        scene: Scene | str | Path = DEFAULT_SCENE,
         size: tuple[int, int] = (1920, 1080),
         *,
         backend: str = "jax",
@@ -55,6 +55,7 @@ class Rendering:
         if is_traced(scene):
             if backend != "jax":
                 raise InputError(f"backend {backend}: the scene is traced by JAX, which only backend 'jax' can render")
+            check_choices(scene)
         else:
             check_scene(scene)
             scene = concrete(scene)
@@ -100,11 +101,12 @@ class Rendering:
 
     def metadata(self) -> dict[str, str]:
         """What an image file should say of its origin."""
-        transfer = "none (linear)" if self.output == "linear" else self.scene.film.transfer
+        linear = self.output == "linear"
+        values = "linear light" if linear else f"display values, transfer function {self.scene.film.transfer}"
         return {
             "scene": scene_toml(self.scene),
             "scene_sha256": scene_hash(self.scene),
-            "color_space": f"Rec. 709 primaries, transfer function {transfer}",
+            "color_space": f"Rec. 709 primaries, {values}",
             "output": self.output,
             "backend": self.backend,
             "dtype": self.dtype,
@@ -119,7 +121,7 @@ class Rendering:
 
 
 def render(
-    scene: Scene | str | Path = "checkerboard",
+    scene: Scene | str | Path = DEFAULT_SCENE,
     size: tuple[int, int] = (1920, 1080),
     *,
     backend: str = "jax",

@@ -56,16 +56,16 @@ def _vec3(array: Any) -> Vec3:
 
 
 def _sized(direction: Vec3) -> Vec3:
-    """`direction` as it is, or scaled by a power of two where float32 could not hold its squared length.
+    """`direction` as it is, or times a power of two where float32 could not hold its squared length.
 
-    Such a scaling is exact and changes no digit of the direction.
+    Such a product is exact and changes no digit of the direction. (Between 2**-30 and 2**30 it is left alone.)
     """
-    if not all(isinstance(component, np.floating | np.ndarray) for component in direction):
-        return direction
-    largest = max(map(abs, direction))
-    if 2.0**-30 <= largest <= 2.0**30:
-        return direction
-    return Vec3(*(np.ldexp(component, -int(np.frexp(largest)[1])) for component in direction))
+    stacked = _stack(*direction)
+    xp = namespace(stacked)
+    _, exponent = xp.frexp(xp.max(xp.abs(stacked)))
+    # 2**125 and its inverse are normal numbers of float32, and enough for all of its directions.
+    scale = xp.ldexp(xp.ones_like(stacked[0]), xp.clip(-exponent, -125, 125))
+    return direction * xp.where(abs(exponent) <= 30, xp.ones_like(scale), scale)
 
 
 def _matrices(camera: Camera, aspect: float) -> shader.Camera:

@@ -2,11 +2,14 @@
 
 import os
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 __all__ = ["quiet", "told"]
+
+_QUIETENING = threading.Lock()
 
 
 def told(source: Any) -> str:
@@ -17,14 +20,16 @@ def told(source: Any) -> str:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Keeps libpng, which writes to the process's standard error itself, from doing so."""
-    sys.stderr.flush()
-    kept = os.dup(2)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 2)
-    try:
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(nowhere)
+    """Keeps libpng, which writes to the process's standard error itself, from doing so. One thread at a time."""
+    with _QUIETENING:
+        if sys.stderr is not None:
+            sys.stderr.flush()
+        kept = os.dup(2)
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 2)
+        try:
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            os.close(nowhere)

@@ -26,6 +26,8 @@ class ImageFile:
     def write(self, band: Any) -> None:
         """Appends rows: an array (rows, width, components) or, for steps, the dict of them."""
         pixels = step_channels(band) if self._steps else np.asarray(band)
+        if not np.isfinite(pixels).all():
+            raise InputError(f"{self._path}: the image holds values that are not finite")
         if self._kind.startswith("uint"):
             pixels = _quantized(pixels, np.dtype(self._kind))
         else:
@@ -58,7 +60,7 @@ def image_file(
 
     path = Path(path)
     offered = file_format(path).bits
-    kind = offered.get(bits or next(iter(offered)))
+    kind = offered.get(next(iter(offered)) if bits is None else bits)
     if kind is None:
         raise InputError(
             f"{path}: {path.suffix} has no {bits} bits a channel; there is: {', '.join(map(str, offered))}"
@@ -107,6 +109,8 @@ def write_image(
     first = next(iter(image.values())) if isinstance(image, dict) else image
     if not isinstance(image, dict) and (np.ndim(image) != 3 or np.shape(image)[2] != 3):
         raise InputError(f"{path}: an image is an array (height, width, 3), found {np.shape(image)}")
+    if not isinstance(image, dict) and np.asarray(image).dtype.kind != "f":
+        raise InputError(f"{path}: an image's values are floats, with 1 for white, found {np.asarray(image).dtype}")
     height, width = np.shape(first)[:2]
     output = "steps" if isinstance(image, dict) else output
     with image_file(path, (width, height), output=output, bits=bits, metadata=metadata) as file:
@@ -114,5 +118,4 @@ def write_image(
 
 
 def _quantized(pixels: np.ndarray, integer: np.dtype) -> np.ndarray:
-    scaled = np.clip(pixels, 0, 1) * np.iinfo(integer).max
-    return np.rint(scaled).astype(integer)
+    return np.rint(np.clip(pixels, 0, 1, dtype=np.float64) * np.iinfo(integer).max).astype(integer)

@@ -14,6 +14,7 @@ from raytrace.scene.data import (
     Spheres,
     Sun,
 )
+from raytrace.scene.pytree import register_with_jax
 from raytrace.scene.sun import sun_angles, sun_direction
 from raytrace.scene.toml import load_scene, save_scene, scene_hash, scene_toml, scenes
 
@@ -38,3 +39,5 @@ __all__ = [
     "sun_angles",
     "sun_direction",
 ]
+
+register_with_jax()

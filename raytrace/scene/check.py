@@ -1,18 +1,37 @@
 """Whether a scene made in Python holds what a scene file may hold."""
 
+import sys
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from raytrace.errors import InputError
-from raytrace.scene.data import Scene, Spheres
+from raytrace.scene.data import (
+    Film,
+    MatrixCamera,
+    OrthographicCamera,
+    PerspectiveCamera,
+    Scene,
+    Sky,
+    Spheres,
+    Sun,
+)
 from raytrace.scene.document import document_of, scene_of
-from raytrace.scene.rules import NOT_NEGATIVE, NUMBER, POSITIVE
+from raytrace.scene.rules import COORDINATE, INTENSITY, POSITIVE
 
-__all__ = ["check_scene", "is_traced"]
+__all__ = ["check_choices", "check_scene", "is_traced"]
 
-_SPHERES = {"center": ((3,), NUMBER), "radius": ((), POSITIVE), "color": ((3,), NOT_NEGATIVE)}
+_SECTIONS = {
+    "spheres": (Spheres,),
+    "planes": (tuple,),
+    "sun": (Sun,),
+    "sky": (Sky,),
+    "camera": (PerspectiveCamera, OrthographicCamera, MatrixCamera),
+    "film": (Film,),
+}
+#: The shape of one sphere's entry in each array, and its rules.
+_SPHERES = {"center": ((3,), COORDINATE), "radius": ((), POSITIVE), "color": ((3,), INTENSITY)}
 
 
 def check_scene(scene: Scene, where: str = "scene") -> None:
@@ -21,9 +40,24 @@ def check_scene(scene: Scene, where: str = "scene") -> None:
     Raises:
         InputError: the first mistake: `where`, the value's path, what was found, what would be right.
     """
+    for name, kinds in _SECTIONS.items():
+        if not isinstance(getattr(scene, name), kinds):
+            found = type(getattr(scene, name)).__name__
+            expected = " or ".join(kind.__name__ for kind in kinds)
+            raise InputError(f"{where}: {name}: must be a {expected}, found {found}")
     _check_spheres(scene.spheres, where)
     film = replace(scene.film, tone_mapper="none") if callable(scene.film.tone_mapper) else scene.film
     scene_of(document_of(replace(scene, spheres=Spheres(), film=film)), where)
+
+
+def check_choices(scene: Scene, where: str = "scene") -> None:
+    """Checks what is known of a traced scene too: everything but its numbers.
+
+    Raises:
+        InputError: the first mistake.
+    """
+    film = Film(white_point=scene.film.white_point, tone_mapper=scene.film.tone_mapper, transfer=scene.film.transfer)
+    check_scene(Scene(lighting=scene.lighting, film=film), where)
 
 
 def _check_spheres(spheres: Spheres, where: str) -> None:
@@ -43,8 +77,6 @@ def _check_spheres(spheres: Spheres, where: str) -> None:
 
 def is_traced(scene: Any) -> bool:
     """Whether any number of the scene is not there yet: JAX is tracing a function of it."""
-    import sys
-
     if "jax" not in sys.modules:
         return False
     import jax

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
-import wrapt
 
 __all__ = [
     "Camera",
@@ -38,25 +37,25 @@ Numbers: TypeAlias = Any  # shape (n,)
 Vectors: TypeAlias = Any  # shape (n, 3)
 
 _STATIC = {"static": True}
-_NODES: list[type] = []
+NODES: list[type] = []
 
 
 def _node(cls: type) -> type:
-    """A frozen dataclass that becomes a JAX pytree as soon as JAX is imported."""
+    """A frozen dataclass, and a JAX pytree; see `raytrace.scene.pytree`."""
     cls = dataclass(frozen=True, eq=False)(cls)
-    _NODES.append(cls)
+    NODES.append(cls)
     return cls
 
 
 def _as_array(value: Any) -> Any:
-    """Python numbers and sequences of them as float64 arrays; everything else as it is."""
-    if isinstance(value, int | float | list) or (isinstance(value, tuple) and _has_numbers(value)):
+    """Numbers, sequences of them and arrays of integers as float64 arrays; records, and all that is traced, as is."""
+    if isinstance(value, list | tuple) and any(isinstance(part, _Record) for part in value):
+        return tuple(value)
+    if isinstance(value, int | float | list) or (isinstance(value, tuple) and value):
         return np.asarray(value, dtype=np.float64)
+    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "iub":
+        return value.astype(np.float64)
     return value
-
-
-def _has_numbers(value: tuple) -> bool:
-    return bool(value) and not isinstance(value[0], _Record)
 
 
 def _equal(a: Any, b: Any) -> bool:
@@ -192,6 +191,11 @@ class Film(_Record):
     tone_mapper: str | Callable = field(default="aces", metadata=_STATIC)
     transfer: str = field(default="gamma2.2", metadata=_STATIC)
 
+    def __post_init__(self):
+        super().__post_init__()
+        if isinstance(self.white_point, list | np.ndarray):
+            object.__setattr__(self, "white_point", tuple(map(float, self.white_point)))
+
 
 @_node
 class Scene(_Record):
@@ -207,13 +211,6 @@ class Scene(_Record):
     lighting: Literal["off", "on", "shadow"] = field(default="shadow", metadata=_STATIC)
     camera: Camera = field(default_factory=PerspectiveCamera)
     film: Film = field(default_factory=Film)
-
-
-@wrapt.when_imported("jax")
-def _register_pytrees(jax: Any) -> None:
-    """Importing this module does not import JAX; importing JAX, before or after, makes the scene a pytree."""
-    for cls in _NODES:
-        jax.tree_util.register_dataclass(cls)
 
 
 def concrete(record: Any) -> Any:

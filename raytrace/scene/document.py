@@ -1,5 +1,6 @@
 """Scenes as plain documents, and plain documents as scenes."""
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -82,7 +83,7 @@ def _name(kinds: dict[str, type], record: Any) -> str:
 
 
 def _table(record: Any) -> dict:
-    return {name: _plain(value) for name, value in vars(record).items() if value is not None}
+    return {entry.name: _plain(value) for entry in fields(record) if (value := getattr(record, entry.name)) is not None}
 
 
 def _plain(value: Any) -> Any:

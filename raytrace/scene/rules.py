@@ -1,4 +1,7 @@
-"""What a number of a scene must satisfy: each rule once, for one number (pydantic) and for a million (NumPy)."""
+"""What a number of a scene must satisfy: each rule once, for one number (pydantic) and for a million (NumPy).
+
+The limits are those within which float32 neither overflows nor underflows on the way through the shader.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,10 +10,25 @@ from typing import Any
 import numpy as np
 from pydantic_core import PydanticCustomError
 
-__all__ = ["ANGLE", "NOT_NEGATIVE", "NUMBER", "POSITIVE", "Rule", "mistake"]
+__all__ = [
+    "ANGLE",
+    "COORDINATE",
+    "EXPOSURE",
+    "INTENSITY",
+    "NUMBER",
+    "POSITIVE",
+    "SHORTEST",
+    "Rule",
+    "mistake",
+]
 
+#: Numbers that float32 holds; a direction may be as long or as short as that.
 LARGEST = float(np.finfo(np.float32).max)
-SMALLEST = float(np.finfo(np.float32).smallest_normal)
+#: Lengths whose squares, and the quotients of those, float32 holds with room to spare.
+LONGEST, SHORTEST = 1e12, 1e-12
+#: Colours whose products among each other, exposed and squared by a tone mapper, float32 holds.
+BRIGHTEST = 1e6
+MOST_EXPOSURE = 16.0
 
 
 def mistake(message: str) -> PydanticCustomError:
@@ -32,15 +50,18 @@ class Rule:
         return x
 
 
-#: Every number: finite, in the arithmetic at hand and in float32, to which a scene is rounded.
-NUMBER = (
-    Rule(np.isfinite, "must be a finite number"),
-    Rule(lambda x: abs(x) <= LARGEST, f"must be at most {LARGEST:.2e} in size (scenes are float32)"),
-)
+def _at_most(limit: float) -> Rule:
+    return Rule(lambda x: abs(x) <= limit, f"must be at most {limit:.3g} in size")
+
+
+FINITE = Rule(np.isfinite, "must be a finite number")
+NUMBER = (FINITE, _at_most(LARGEST))
+COORDINATE = (FINITE, _at_most(LONGEST))
 POSITIVE = (
-    *NUMBER,
+    *COORDINATE,
     Rule(lambda x: x > 0, "must be greater than 0"),
-    Rule(lambda x: x >= SMALLEST, f"must be at least {SMALLEST:.2e} (scenes are float32)"),
+    Rule(lambda x: x >= SHORTEST, f"must be at least {SHORTEST:.3g}"),
 )
-NOT_NEGATIVE = (*NUMBER, Rule(lambda x: x >= 0, "must not be negative"))
-ANGLE = (*NUMBER, Rule(lambda x: (x > 0) & (x < 180), "must be greater than 0 and less than 180 degrees"))
+INTENSITY = (FINITE, Rule(lambda x: x >= 0, "must not be negative"), _at_most(BRIGHTEST))
+EXPOSURE = (FINITE, _at_most(MOST_EXPOSURE))
+ANGLE = (FINITE, Rule(lambda x: (x > 0) & (x < 180), "must be greater than 0 and less than 180 degrees"))

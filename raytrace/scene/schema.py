@@ -12,7 +12,17 @@ from pydantic_core import PydanticCustomError
 
 from raytrace.errors import did_you_mean
 from raytrace.scene import data
-from raytrace.scene.rules import ANGLE, NOT_NEGATIVE, NUMBER, POSITIVE, Rule, mistake
+from raytrace.scene.rules import (
+    ANGLE,
+    COORDINATE,
+    EXPOSURE,
+    INTENSITY,
+    NUMBER,
+    POSITIVE,
+    SHORTEST,
+    Rule,
+    mistake,
+)
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
 
 __all__ = ["SceneDocument", "SphereTable"]
@@ -47,14 +57,13 @@ def _white_point(value: Any) -> Any:
     raise mistake("must be a temperature from 1667 to 25000 kelvin or CIE [x, y] with x > 0, y > 0, x + y < 1")
 
 
-Number = _number(NUMBER)
 Positive = _number(POSITIVE)
 Angle = _number(ANGLE)
-Vector = _list(Number, 3, "numbers")
-Color = _list(_number(NOT_NEGATIVE), 3, "numbers")
-Direction = Annotated[Vector, AfterValidator(_not_zero)]
-Matrix = _list(_list(Number, 4, "numbers"), 4, "rows")
-Exposure = Annotated[Number, Field(ge=-100, le=100)]
+Exposure = _number(EXPOSURE)
+Point = _list(_number(COORDINATE), 3, "numbers")
+Color = _list(_number(INTENSITY), 3, "numbers")
+Direction = Annotated[_list(_number(NUMBER), 3, "numbers"), AfterValidator(_not_zero)]
+Matrix = _list(_list(_number(COORDINATE), 4, "numbers"), 4, "rows")
 WhitePoint = Annotated[Any, BeforeValidator(_white_point)]
 
 
@@ -97,7 +106,7 @@ def _by(key: str, default: str, *tags: str) -> Discriminator:
 
 
 class SphereTable(Table):
-    center: Vector
+    center: Point
     radius: Positive
     color: Color
 
@@ -122,7 +131,7 @@ _plane = _defaults(data.Plane())
 
 
 class PlaneTable(Table):
-    point: Vector = _plane("point")
+    point: Point = _plane("point")
     normal: Direction = _plane("normal")
     pattern: Annotated[
         Annotated[CheckerboardTable, Tag("checkerboard")] | Annotated[PlainTable, Tag("plain")],
@@ -154,8 +163,8 @@ _camera = _defaults(data.PerspectiveCamera())
 class PlacedCamera(Table):
     """What the perspective and the orthographic camera share."""
 
-    position: Vector = _camera("position")
-    target: Vector = _camera("target")
+    position: Point = _camera("position")
+    target: Point = _camera("target")
     up: Direction = _camera("up")
     near: Positive = _camera("near")
     far: Positive = _camera("far")
@@ -165,6 +174,8 @@ class PlacedCamera(Table):
         forward = np.subtract(self.target, self.position)
         if not forward.any():
             raise mistake("position and target must not be the same point")
+        if np.linalg.norm(forward) < SHORTEST:
+            raise mistake(f"position and target must be at least {SHORTEST:.3g} apart")
         up = np.array(self.up)
         sine = np.linalg.norm(np.cross(forward / np.linalg.norm(forward), up / np.linalg.norm(up)))
         if sine < 1e-9:

@@ -1,7 +1,7 @@
 """A scene, compiled by JAX for blocks of rows, and rendered."""
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -68,8 +68,8 @@ def _interleaved(planes: Any, name: str, shape: tuple[int, int]) -> jax.Array:
 
 
 @lru_cache(maxsize=64)
-def _compiled(job: Job, blocks: _Blocks, tree: Any, shapes: tuple[tuple[int, ...], ...]) -> Callable:
-    """The program of `job` for uniforms of these shapes; their values do not matter."""
+def _compiled(job: Job, blocks: _Blocks, tree: Any, shapes: tuple[tuple[int, ...], ...], device: Any) -> Callable:
+    """The program of `job` for uniforms of these shapes, whatever their values; `device` is JAX's default one."""
     uniforms = tree.unflatten(jax.ShapeDtypeStruct(shape, job.dtype) for shape in shapes)
     return _draw.lower(job, blocks, uniforms, jax.ShapeDtypeStruct((), np.int32)).compile()
 
@@ -106,18 +106,18 @@ class Renderer:
             raise InputError(
                 "dtype float64: JAX is tracing in 32 bit; set jax_enable_x64, or trace within jax.enable_x64(True)"
             )
-        with self._x64():
+        with self._outside():
             self.uniforms = jax.tree.map(partial(_given, dtype=job.dtype, exact=job.exact_inputs), uniforms)
 
     def compile(self, count: int) -> None:
         """Compiles the program for `count` rows at a time, which `draw` does otherwise."""
         if not self.traced:
-            with self._x64():
+            with self._outside():
                 self._program(_blocks(self.job, count))
 
     def draw(self, first: int, count: int) -> dict[str, Any]:
         blocks = _blocks(self.job, count)
-        with self._x64():
+        with self._outside():
             if self.traced:
                 images = _draw(self.job, blocks, self.uniforms, jnp.int32(first))
             else:
@@ -127,7 +127,14 @@ class Renderer:
 
     def _program(self, blocks: _Blocks) -> Callable:
         leaves, tree = jax.tree.flatten(self.uniforms)
-        return _compiled(self.job, blocks, tree, tuple(leaf.shape for leaf in leaves))
+        shapes = tuple(leaf.shape for leaf in leaves)
+        return _compiled(self.job, blocks, tree, shapes, jax.config.jax_default_device)
 
-    def _x64(self) -> AbstractContextManager:
-        return jax.enable_x64(True) if self.borrows_x64 else nullcontext()
+    @contextmanager
+    def _outside(self) -> Iterator[None]:
+        """x64 as it is needed; and what is not traced is computed at once, even while JAX traces something else."""
+        with (
+            jax.enable_x64(True) if self.borrows_x64 else nullcontext(),
+            nullcontext() if self.traced else jax.ensure_compile_time_eval(),
+        ):
+            yield
