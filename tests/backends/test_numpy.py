@@ -1,3 +1,8 @@
+import os
+import subprocess
+import sys
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -78,18 +83,35 @@ def test_bands_are_the_whole(monkeypatch):
     np.testing.assert_array_equal(np.concatenate(bands), rendering.whole())
 
 
-def test_mirroring_the_scene_mirrors_the_image():
-    """In x: spheres, sun and camera. The image's columns are reversed, bit for bit."""
-    scene = raytrace.load_scene("shadows")
+def mirrored(record):
+    """The record with x turned round in every place and direction."""
     mirror = np.array([-1, 1, 1])
-    mirrored = raytrace.Scene(
-        spheres=raytrace.Spheres(scene.spheres.center * mirror, scene.spheres.radius, scene.spheres.color),
-        sun=raytrace.Sun(scene.sun.direction * mirror, scene.sun.color),
-        camera=scene.camera,
+    places = {"center", "point", "normal", "direction", "position", "target", "up"}
+    return replace(record, **{name: value * mirror for name, value in vars(record).items() if name in places})
+
+
+@settings(max_examples=50)
+@given(scenes())
+def test_mirroring_the_scene_mirrors_the_image(scene):
+    """Width and height are powers of two, so that u and 1 - u are exact: columns are reversed, bit for bit.
+
+    But for the checkerboard, whose tiles are half open: tile floor(p + 0.5) of -p is another one on borders only.
+    """
+    size = (64, 32)
+    other = replace(
+        scene,
+        spheres=mirrored(scene.spheres),
+        planes=tuple(map(mirrored, scene.planes)),
+        sun=mirrored(scene.sun),
+        camera=mirrored(scene.camera),
     )
-    a, b = (raytrace.render(s, SIZE, backend="numpy", dtype="float64") for s in (scene, mirrored))
-    # u and 1 - u differ by a rounding, so the columns do too.
-    np.testing.assert_allclose(a[:, ::-1], b, rtol=0, atol=1e-11)
+    a, b = (raytrace.render(s, size, backend="numpy", dtype="float64", output="steps") for s in (scene, other))
+    for name in ("index", "t", "NdL", "NdSky", "shadow"):
+        np.testing.assert_array_equal(a[name][:, ::-1], b[name], err_msg=name)
+    np.testing.assert_array_equal(a["N"][:, ::-1] * [-1, 1, 1], b["N"])
+    same = (a["albedo"][:, ::-1] == b["albedo"]).all(axis=-1)
+    np.testing.assert_array_equal(a["display"][:, ::-1][same], b["display"][same])
+    assert same.mean() > 0.9
 
 
 @pytest.mark.parametrize("k", [-3, 5])
@@ -108,3 +130,18 @@ def test_scaling_the_world_scales_t_exactly(k):
     hit = a["index"] >= 0
     np.testing.assert_array_equal(a["t"][hit] * scale, b["t"][hit])
     np.testing.assert_array_equal(a["N"], b["N"])
+
+
+@pytest.mark.slow
+def test_memory_is_bounded():
+    """8192x8192 in float64 to a file and as an array (of 1.5 GiB by itself): under 2 GiB at the peak."""
+    for code in (
+        "from raytrace.cli import run; import sys;"
+        "sys.argv[1:] = 'render --backend numpy --dtype float64 --size 8192x8192 -o large.png'.split(); run()",
+        "import raytrace; raytrace.render('checkerboard', (8192, 8192), backend='numpy', dtype='float64')",
+    ):
+        process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        assert process.returncode == 0
+        assert usage.ru_maxrss * 1024 < 2 * 2**30

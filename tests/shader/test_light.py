@@ -59,6 +59,14 @@ def test_the_offset_keeps_a_sphere_from_shadowing_itself():
     assert light(scene, [0, 0, 1], [0, 0, 1]).shadow == 1
 
 
+@pytest.mark.parametrize(("depth", "shadow"), [(0.9e-3, 1), (1.1e-3, 0)])
+def test_the_shadow_ray_starts_a_thousandth_along_the_normal(depth, shadow):
+    """A sphere whose top is `depth` above the point: below 1e-3 the ray starts above it, beyond 1e-3 within it."""
+    ball = raytrace.Spheres(center=[[0, depth - 0.1, 0]], radius=[0.1], color=[[1, 1, 1]])
+    scene = raytrace.Scene(spheres=ball, sun=raytrace.Sun(direction=[0, 1, 0]))
+    assert light(scene, [0, 0, 0], [0, 1, 0]).shadow == shadow
+
+
 @pytest.mark.parametrize("casts", [False, True])
 def test_a_plane_casts_a_shadow_only_if_asked_to(casts):
     ceiling = raytrace.Plane(point=[0, 1, 0], normal=[0, -1, 0], casts_shadow=casts)

@@ -37,43 +37,116 @@ def test_an_empty_world_is_sky():
     assert seen(raytrace.Scene(), [0, 0, 0], [0, 1, 0]) == (-1, -1)
 
 
-@given(scenes(), positions, directions)
-def test_nothing_is_nearer_than_what_is_seen(scene, ro, rd):
-    t, index = seen(scene, ro, unit(rd))
-    spheres = len(scene.spheres.radius)
-    for i in range(spheres):
-        alone = raytrace.Scene(spheres=raytrace.Spheres(*(x[i : i + 1] for x in vars(scene.spheres).values())))
-        other, hit = seen(alone, ro, unit(rd))
-        assert hit < 0 or (0 < t <= other)
+def alone(scene):
+    """Scenes of one object each, in the order of the index."""
+    arrays = [vars(scene.spheres)[name] for name in ("center", "radius", "color")]
+    for i in range(len(scene.spheres.radius)):
+        yield raytrace.Scene(spheres=raytrace.Spheres(*(array[i : i + 1] for array in arrays)))
     for plane in scene.planes:
-        other, hit = seen(raytrace.Scene(planes=(plane,)), ro, unit(rd))
-        assert hit < 0 or (0 < t <= other)
-    assert -1 <= index < spheres + len(scene.planes)
-    assert (index == -1) == (t == -1)
+        yield raytrace.Scene(planes=(plane,))
+
+
+@given(scenes(), positions, directions)
+def test_what_is_seen_is_the_nearest_of_all(scene, ro, rd):
+    t, index = seen(scene, ro, unit(rd))
+    hits = [seen(one, ro, unit(rd)) for one in alone(scene)]
+    if any(hit.index >= 0 for hit in hits):
+        assert t == min(hit.t for hit in hits if hit.index >= 0)
+        assert t == hits[index].t
+    else:
+        assert (t, index) == (-1, -1)
 
 
 def steps(scene, **options):
     return raytrace.render(scene, (48, 27), backend="numpy", dtype="float64", output="steps", **options)
 
 
+def dot(a, b):
+    return (a * b).sum(axis=-1)
+
+
 @given(scenes())
 def test_the_steps_hang_together(scene):
-    """hitPoint = ro + t rd lies on what was hit, N is unit, lights are shares; a miss is -1 and zero."""
-    all_steps = steps(scene)
-    hit = all_steps["index"] >= 0
-    np.testing.assert_array_equal(all_steps["t"] > 0, hit)
-    np.testing.assert_array_equal(all_steps["t"][~hit], -1)
+    """Each step follows from those before it, by the assignment's formulas, and lies where it must."""
+    s = steps(scene)
+    hit = s["index"] >= 0
+    np.testing.assert_array_equal(s["t"] > 0, hit)
+    np.testing.assert_array_equal(s["t"][~hit], -1)
     for name in ("hitPoint", "N", "NdL", "NdSky", "shadow", "albedo"):
-        assert not all_steps[name][~hit].any()
-    np.testing.assert_allclose(np.linalg.norm(all_steps["rd"], axis=-1), 1, atol=1e-14)
+        assert not s[name][~hit].any()
+    np.testing.assert_allclose(np.linalg.norm(s["rd"], axis=-1), 1, atol=1e-14)
+    if not isinstance(scene.camera, raytrace.OrthographicCamera):
+        far = np.abs(s["t"])[..., None] + 1
+        away = np.where(hit[..., None], s["hitPoint"] - scene.camera.position - s["t"][..., None] * s["rd"], 0)
+        assert (np.abs(away) < 1e-12 * far).all()
+
+    for i in range(len(scene.spheres.radius)):
+        on = s["index"] == i
+        center, radius = scene.spheres.center[i], scene.spheres.radius[i]
+        outward = (s["hitPoint"][on] - center) / radius
+        # Textbook: the discriminant's rounding, of some 600 * 1e-16, is all of it at a silhouette.
+        np.testing.assert_allclose(np.linalg.norm(outward, axis=-1), 1, atol=1e-12 / radius**2)
+        np.testing.assert_array_equal(s["albedo"][on], np.broadcast_to(scene.spheres.color[i], outward.shape))
+        if scene.lighting != "off":
+            np.testing.assert_allclose(s["N"][on], outward, atol=1e-12 / radius**2)
+    for i, plane in enumerate(scene.planes, len(scene.spheres.radius)):
+        on = s["index"] == i
+        normal = plane.normal / np.linalg.norm(plane.normal)
+        above = dot(s["hitPoint"][on] - plane.point, normal)
+        # The uniform normal is rounded to float32, which tilts the plane.
+        assert (np.abs(above) < 2e-7 * (1 + np.linalg.norm(s["hitPoint"][on] - plane.point, axis=-1))).all()
+        pattern = plane.pattern
+        colors = [pattern.color] if isinstance(pattern, raytrace.Plain) else [pattern.even, pattern.odd, pattern.line]
+        assert np.any([(s["albedo"][on] == np.float32(color)).all(axis=-1) for color in colors], axis=0).all()
+        if scene.lighting != "off":
+            np.testing.assert_allclose(s["N"][on], np.broadcast_to(normal, s["N"][on].shape), atol=1e-7)
+
     if scene.lighting == "off":
-        np.testing.assert_array_equal(all_steps["linear"][hit], all_steps["albedo"][hit])
+        np.testing.assert_array_equal(s["linear"][hit], s["albedo"][hit])
     else:
-        np.testing.assert_allclose(np.linalg.norm(all_steps["N"][hit], axis=-1), 1, atol=1e-7)
-        assert ((all_steps["NdL"] >= 0) & (all_steps["NdL"] <= 1 + 1e-7)).all()
-        assert np.isin(all_steps["shadow"], [0, 1]).all()
-    assert (all_steps["display"] >= 0).all()
-    assert (all_steps["display"] <= 1).all()
+        L = scene.sun.direction / np.linalg.norm(scene.sun.direction)
+        np.testing.assert_allclose(s["NdL"][hit], np.maximum(dot(s["N"][hit], L), 0), atol=2e-7)
+        np.testing.assert_allclose(s["NdSky"][hit], 0.5 * s["N"][hit][:, 1] + 0.5, atol=1e-15)
+        assert np.isin(s["shadow"][hit], [0, 1]).all()
+        direct = np.float32(scene.sun.color) * (s["NdL"] * s["shadow"])[..., None]
+        sky = np.float32(scene.sky.high) * s["NdSky"][..., None]
+        np.testing.assert_allclose(s["linear"][hit], ((direct + sky) * s["albedo"])[hit], atol=1e-14)
+    assert (s["display"] >= 0).all()
+    assert (s["display"] <= 1).all()
+
+
+def test_a_plane_is_not_flipped_towards_the_viewer():
+    """Seen from below, the ground's N points up, away from the viewer; its patches have its own colours."""
+    ground = raytrace.Plane(pattern=raytrace.Plain([0.25, 0.5, 0.75]))
+    camera = raytrace.PerspectiveCamera(position=[0, -3, 0], target=[0, 0, -0.1])
+    s = steps(raytrace.Scene(planes=(ground,), camera=camera))
+    assert (s["index"] == 0).all()
+    assert (s["N"] == [0, 1, 0]).all()
+    assert (s["albedo"] == [0.25, 0.5, 0.75]).all()
+
+
+def test_a_shadowed_pixel_of_the_ground_by_hand():
+    """Looking straight down from y = 2 at the ground y = -0.5, a small sphere between the ground and an oblique sun.
+
+    The ray (0,-1,0) from (1,2,1) meets the ground at t = 2.5 in (1,-0.5,1), which is tile floor(2.5) = 2 twice: even.
+    L = (0.6, 0.8, 0): the shadow ray passes (1,-0.5,1) + 2 L = (2.2, 1.1, 1), where the sphere is: shadow = 0.
+    NdL = 0.8, NdSky = 1: linear is skyColorHigh * 1.
+    """
+    scene = raytrace.Scene(
+        spheres=raytrace.Spheres([[2.2, 1.1, 1.0]], [0.125], [[1, 1, 1]]),
+        planes=(raytrace.Plane(),),
+        sun=raytrace.Sun(direction=[3, 4, 0]),
+        camera=raytrace.PerspectiveCamera(position=[1, 2, 1], target=[1, 0, 1], up=[0, 0, -1]),
+    )
+    s = raytrace.render(scene, (1, 1), backend="numpy", dtype="float64", output="steps", exact_inputs=True)
+    pixel = {name: step[0, 0].tolist() for name, step in s.items()}
+    assert pixel["rd"] == [0, -1, 0]
+    assert (pixel["t"], pixel["index"]) == (2.5, 1)
+    assert pixel["hitPoint"] == [1, -0.5, 1]
+    assert pixel["N"] == [0, 1, 0]
+    assert (pixel["NdL"], pixel["NdSky"], pixel["shadow"]) == pytest.approx((0.8, 1, 0), abs=1e-15)
+    assert pixel["albedo"] == [1, 1, 1]
+    assert pixel["linear"] == pytest.approx([0.14, 0.21, 0.49], abs=1e-15)
 
 
 def test_one_pixel_by_hand():

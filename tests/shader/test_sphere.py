@@ -1,11 +1,27 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from raytrace.shader.sphere import any_sphere_intersect, closest_sphere_intersect, sphere_intersect
 from raytrace.shader.uniforms import Sphere
-from tests.strategies import directions, positions, radii, unit, vec3
+from tests.strategies import directions, numbers, positions, radii, unit, vec3
+
+
+@st.composite
+def aimed(draw):
+    """(ro, rd, center, radius, miss): a ray whose line passes the centre at `miss` radii, 0 ... 0.99."""
+    ro, center, radius = np.array(draw(positions)), np.array(draw(positions)), draw(radii)
+    across, miss = unit(draw(directions)), draw(numbers(0, 0.99))
+    distance = np.linalg.norm(center - ro)
+    assume(distance > 1.01 * radius)
+    forward = (center - ro) / distance
+    across = across - np.dot(across, forward) * forward
+    assume(np.linalg.norm(across) > 0.1)
+    sine = miss * radius / distance
+    rd = np.sqrt(1 - sine**2) * forward + sine * unit(across)
+    return ro, unit(rd), center, radius, miss
+
 
 FORMULAS = pytest.mark.parametrize("formula", ["textbook", "robust"])
 
@@ -52,25 +68,32 @@ def test_textbook_by_hand():
 
 
 @FORMULAS
-@given(positions, directions, positions, radii)
-def test_a_hit_lies_on_the_sphere(formula, ro, rd, center, radius):
-    rd = unit(rd)
+@given(aimed())
+def test_a_hit_lies_on_the_sphere(formula, ray):
+    """Every aimed ray hits, in front of the centre, at the radius from it.
+
+    The discriminant's terms are rounded in proportion to |ro - center|**2 (textbook) or radius**2 (robust); the
+    chord's half, its root, divides that by itself.
+    """
+    ro, rd, center, radius, miss = ray
     t = intersect(ro, rd, center, radius, formula)
-    if t > 0:
-        distance = np.linalg.norm(ro + t * rd - center)
-        # Textbook's discriminant has an error of a few ulp of its terms, up to 600; its root can be 1e-6 off.
-        assert distance == pytest.approx(radius, abs=1e-5 if formula == "textbook" else 1e-11)
+    distance = np.linalg.norm(ro - center)
+    assert 0 < t < distance
+    scale = distance**2 if formula == "textbook" else distance * radius
+    chord = radius * np.sqrt(1 - miss**2)
+    assert np.linalg.norm(ro + t * rd - center) == pytest.approx(
+        radius, abs=1e-15 * (10 * distance + 10 * scale / chord)
+    )
 
 
-@given(positions, directions, positions, radii)
-def test_the_formulas_agree(ro, rd, center, radius):
-    """Away from the silhouette, where textbook's cancellation says nothing, to 1e-12 in t relative to distances."""
-    rd = unit(rd)
-    oc = np.subtract(ro, center)
-    clearance = radius**2 - np.dot(oc - np.dot(oc, rd) * rd, oc - np.dot(oc, rd) * rd)
-    if abs(clearance) > 1e-2 * radius**2 and abs(np.dot(oc, oc) - radius**2) > 1e-3:
-        textbook, robust = (intersect(ro, rd, center, radius, formula) for formula in ("textbook", "robust"))
-        assert textbook == pytest.approx(robust, rel=1e-10, abs=1e-10)
+@given(aimed())
+def test_the_formulas_agree(ray):
+    """To the error of the textbook's discriminant: some ulp of |ro - center|**2 over the chord."""
+    ro, rd, center, radius, miss = ray
+    textbook, robust = (intersect(ro, rd, center, radius, formula) for formula in ("textbook", "robust"))
+    distance = np.linalg.norm(ro - center)
+    chord = radius * np.sqrt(1 - miss**2)
+    assert textbook == pytest.approx(robust, rel=0, abs=1e-15 * (10 * distance + 10 * distance**2 / chord))
 
 
 @FORMULAS
@@ -92,18 +115,15 @@ def test_mirroring_changes_nothing(formula, ro, rd, center, radius):
 
 
 @FORMULAS
-@given(positions, directions, positions, radii)
-def test_a_ray_reversed_sees_the_far_side_first(formula, ro, rd, center, radius):
-    """From beyond the sphere back along the same line, both intersections are the same points."""
-    rd, far = unit(rd), 100.0
-    first = intersect(ro, rd, center, radius, formula)
-    oc = np.subtract(ro, center)
-    outside = np.dot(oc, oc) > radius**2 * 1.01
-    if first > 0 and outside:
-        back = intersect(ro + far * rd, -rd, center, radius, formula)
-        middle = -np.dot(oc, rd)
-        # t1 + t2 = 2 * middle on the way there, and the way back starts at `far`.
-        assert far - back == pytest.approx(2 * middle - first, abs=1e-4)
+@given(aimed())
+def test_a_ray_reversed_comes_out_where_it_went_in(formula, ray):
+    """From beyond the sphere back along the same line: the first hit there and the first hit back span the chord."""
+    ro, rd, center, radius, miss = ray
+    far = 2 * np.linalg.norm(ro - center) + radius
+    there = intersect(ro, rd, center, radius, formula)
+    back = far - intersect(ro + far * rd, -rd, center, radius, formula)
+    chord = 2 * radius * np.sqrt(1 - miss**2)
+    assert back - there == pytest.approx(chord, abs=1e-13 * (far + far**2 / chord))
 
 
 def test_float32_robust_resolves_what_textbook_does_not():
