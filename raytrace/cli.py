@@ -2,10 +2,11 @@
 
 import json
 import os
+import signal
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated
@@ -14,8 +15,9 @@ import typer
 
 from raytrace.bench import plain_jit_timings, scene_timings
 from raytrace.errors import InputError
+from raytrace.files import reason
 from raytrace.image import file_format, image_file
-from raytrace.rendering import Rendering
+from raytrace.rendering import Rendering, check_size
 from raytrace.report import pixel_report, uniforms_report
 from raytrace.scene import load_scene, scene_toml, scenes
 from raytrace.scene.toml import DEFAULT_SCENE
@@ -141,24 +143,26 @@ def bench(
     ] = False,
 ) -> None:
     """Time a frame of each built-in scene on each backend, compilation apart."""
-    timings = plain_jit_timings if plain_jit else scene_timings
+    timings = (plain_jit_timings if plain_jit else scene_timings)(_size(size), runs)
     print(f"{'scene':14} {'how':14} {'median ms':>10} {'fastest':>10} {'slowest':>10}", flush=True)
-    for row in timings(_size(size), runs):
+    for row in timings:
         print(f"{row.scene:14} {row.how:14} {row.median:10.1f} {row.fastest:10.1f} {row.slowest:10.1f}", flush=True)
 
 
 def _size(text: str) -> tuple[int, int]:
     width, _, height = text.lower().partition("x")
     try:
-        return int(width), int(height)
+        size = int(width), int(height)
     except ValueError:
         raise InputError(f"size: must be WIDTHxHEIGHT, such as 1920x1080, found {text!r}") from None
+    check_size(size)
+    return size
 
 
 @contextmanager
 def _progress(rows: int) -> Iterator:
     """A progress bar on a terminal, nothing anywhere else; gives the function that advances it."""
-    if not sys.stderr.isatty():
+    if sys.stderr is None or not sys.stderr.isatty():
         yield lambda done: None
         return
     from rich.console import Console
@@ -189,10 +193,14 @@ _INTERRUPTED = 130
 
 def run() -> None:
     """The command `raytrace`: 0 if all went well, 2 for bad input, with one line that says what; 130 for Ctrl-C."""
+    # As `timeout` and service managers end a process: it cleans up behind itself then too.
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     try:
         code = app(standalone_mode=False)
         if code == _INTERRUPTED:  # typer's own answer to Ctrl-C
             raise KeyboardInterrupt
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except InputError as error:
         code = _failed(str(error))
     except _UsageError as error:
@@ -200,15 +208,17 @@ def run() -> None:
     except (KeyboardInterrupt, typer.Abort):
         code = _failed("interrupted", _INTERRUPTED)
     except BrokenPipeError:
-        code = 1
+        code = 0  # whoever reads has seen enough
+    except OSError as error:
+        code = _failed(f"standard output: cannot be written: {reason(error)}")
+    except SystemExit as ended:
+        code = ended.code
     # Not by way of the interpreter's end: after an interruption XLA may still be computing in a thread of its own,
     # and would crash when the interpreter is taken down under it.
-    with suppress(BrokenPipeError):
-        sys.stdout.flush()
-    sys.stderr.flush()
     os._exit(code or 0)
 
 
 def _failed(message: str, code: int = 2) -> int:
-    print("raytrace: " + " ".join(message.split()), file=sys.stderr)
+    if sys.stderr is not None:
+        print("raytrace: " + " ".join(message.split()), file=sys.stderr, flush=True)
     return code

@@ -3,7 +3,7 @@
 import os
 import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from raytrace.errors import InputError
@@ -25,12 +25,13 @@ def whole_file(path: Path) -> Iterator[Path]:
     Raises:
         InputError: the folder is missing, nothing can be written there, or the disk is full.
     """
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: the folder {path.parent} does not exist")
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; give a file's name")
-    if path.exists() and not os.access(path, os.W_OK):
-        raise InputError(f"{path}: cannot be written: permission denied")
+    shown, path = path, Path(os.path.realpath(path))  # a link stays, and what it leads to is written
+    if not os.path.isdir(path.parent):
+        raise InputError(f"{shown}: the folder {shown.parent} does not exist")
+    if os.path.isdir(path):
+        raise InputError(f"{shown}: is a folder; give a file's name")
+    if os.path.exists(path) and not os.access(path, os.W_OK):
+        raise InputError(f"{shown}: cannot be written: permission denied")
     temporary = path.with_name(f".{path.stem[:32]}-{secrets.token_hex(4)}{path.suffix}")
     try:
         # With the permissions of any new file.
@@ -40,6 +41,7 @@ def whole_file(path: Path) -> Iterator[Path]:
             temporary.chmod(path.stat().st_mode)
         temporary.replace(path)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {reason(error)}") from None
+        raise InputError(f"{shown}: cannot be written: {reason(error)}") from None
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink()

@@ -10,7 +10,7 @@ import numpy as np
 from raytrace.backends import BACKENDS, renderer
 from raytrace.backends.job import Job
 from raytrace.errors import InputError, did_you_mean
-from raytrace.scene.check import check_choices, check_scene, is_traced
+from raytrace.scene.check import check_scene, check_structure, is_traced
 from raytrace.scene.data import Scene, concrete
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene, scene_hash, scene_toml
 from raytrace.shader.control import Engine
@@ -19,7 +19,7 @@ from raytrace.shader.pixel import Frame
 from raytrace.shader.sphere import INTERSECTIONS
 from raytrace.uniforms import program_of, uniforms_of
 
-__all__ = ["Rendering", "render"]
+__all__ = ["Rendering", "check_size", "render"]
 
 #: The steps that each output is made of.
 OUTPUTS = {"display": ("display",), "linear": ("linear",), "steps": tuple(COMPONENTS)}
@@ -55,7 +55,7 @@ class Rendering:
         if is_traced(scene):
             if backend != "jax":
                 raise InputError(f"backend {backend}: the scene is traced by JAX, which only backend 'jax' can render")
-            check_choices(scene)
+            check_structure(scene)
         else:
             check_scene(scene)
             scene = concrete(scene)
@@ -162,23 +162,30 @@ def render(
     ).whole()
 
 
-def _check(size: Any, backend: str, dtype: str, samples: int, output: str, intersection: str | None) -> None:
-    sides = (
-        isinstance(size, tuple | list) and len(size) == 2 and all(isinstance(side, int | np.integer) for side in size)
-    )
-    if not sides or not all(1 <= side <= LARGEST_SIDE for side in size):
+def check_size(size: Any) -> None:
+    """Raises an InputError unless `size` is a (width, height) that can be rendered."""
+    sides = isinstance(size, tuple | list) and len(size) == 2
+    if not sides or not all(_is_whole(side) and 1 <= side <= LARGEST_SIDE for side in size):
         raise InputError(f"size: must be (width, height), each from 1 to {LARGEST_SIDE} pixels, found {size!r}")
+
+
+def _is_whole(number: Any) -> bool:
+    return isinstance(number, int | np.integer) and not isinstance(number, bool)
+
+
+def _check(size: Any, backend: str, dtype: str, samples: int, output: str, intersection: str | None) -> None:
+    check_size(size)
     _choice("backend", backend, BACKENDS)
     _choice(f"dtype of backend {backend}", dtype, BACKENDS[backend].dtypes)
     _choice("output", output, OUTPUTS)
     if intersection is not None:
         _choice("intersection", intersection, INTERSECTIONS)
-    if not isinstance(samples, int | np.integer) or isinstance(samples, bool) or not 1 <= samples <= MOST_SAMPLES:
+    if not _is_whole(samples) or not 1 <= samples <= MOST_SAMPLES:
         raise InputError(f"samples: must be a whole number from 1 to {MOST_SAMPLES}, found {samples!r}")
     if samples > 1 and output == "steps":
         raise InputError(f"samples: output 'steps' is of one sample a pixel, found {samples}")
 
 
 def _choice(what: str, found: Any, allowed: Any) -> None:
-    if found not in allowed:
+    if found not in list(allowed):
         raise InputError(f"{what}: unknown {found!r}; {did_you_mean(found, allowed, 'there is')}")

@@ -12,6 +12,7 @@ from raytrace.files import whole_file
 from raytrace.image.formats import attributes, file_format
 from raytrace.image.layers import STEP_CHANNELS, step_channels
 from raytrace.image.messages import quiet, told
+from raytrace.shader.main import COMPONENTS
 
 __all__ = ["ImageFile", "image_file", "write_image"]
 
@@ -106,13 +107,19 @@ def write_image(
     Raises:
         InputError: the image is of another shape, the format cannot hold it, or the file cannot be written.
     """
-    first = next(iter(image.values())) if isinstance(image, dict) else image
-    if not isinstance(image, dict) and (np.ndim(image) != 3 or np.shape(image)[2] != 3):
-        raise InputError(f"{path}: an image is an array (height, width, 3), found {np.shape(image)}")
-    if not isinstance(image, dict) and np.asarray(image).dtype.kind != "f":
-        raise InputError(f"{path}: an image's values are floats, with 1 for white, found {np.asarray(image).dtype}")
-    height, width = np.shape(first)[:2]
-    output = "steps" if isinstance(image, dict) else output
+    if isinstance(image, dict):
+        if set(image) != set(COMPONENTS):
+            raise InputError(f"{path}: steps are a dict of {', '.join(COMPONENTS)}, found {', '.join(image) or 'none'}")
+        output, (height, width) = "steps", np.shape(image["t"])
+    else:
+        array = np.asarray(image)
+        if array.ndim != 3 or array.shape[2] != 3:
+            raise InputError(f"{path}: an image is an array (height, width, 3), found {array.shape}")
+        if array.dtype.kind != "f":
+            raise InputError(f"{path}: an image's values are floats, with 1 for white, found {array.dtype}")
+        if output not in ("display", "linear"):
+            raise InputError(f"{path}: the output of one image is 'display' or 'linear', found {output!r}")
+        height, width = array.shape[:2]
     with image_file(path, (width, height), output=output, bits=bits, metadata=metadata) as file:
         file.write(image)
 

@@ -7,6 +7,7 @@ from raytrace.errors import InputError
 
 __all__ = ["change"]
 
+_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_.-]*")
 _PART = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)((?:\[\d+\])*)")
 
 
@@ -14,7 +15,8 @@ def change(document: dict, setting: str) -> None:
     """Sets one value of `document`: `setting` is ``path=value`` with a TOML value or a bare word.
 
     Raises:
-        InputError: the setting has no ``=`` or no path, or the path leads through something that is not there.
+        InputError: the setting has no ``=`` or no path, or the path leads through something that is not there,
+            or the value cannot be read.
     """
     path, equals, text = setting.partition("=")
     path = path.strip()
@@ -29,7 +31,7 @@ def change(document: dict, setting: str) -> None:
         _entered(place, last)
     except LookupError:
         raise InputError(f"--set {setting}: the scene has no {path} to set") from None
-    place[last] = _value(text.strip())
+    place[last] = _value(text.strip(), setting)
 
 
 def _entered(place: object, part: str | int) -> object:
@@ -56,9 +58,18 @@ def _parts(path: str) -> list[str | int]:
     return parts
 
 
-def _value(text: str) -> object:
-    """A TOML value; a bare word such as ``reinhard`` is a string."""
-    try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+def _value(text: str, setting: str) -> object:
+    """A TOML value; a bare word such as ``reinhard`` is a string.
+
+    Raises:
+        InputError: it is neither.
+    """
+    if _WORD.fullmatch(text) and text not in ("true", "false", "inf", "nan"):
         return text
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except tomllib.TOMLDecodeError:
+        parsed = {}
+    if parsed.keys() != {"value"}:
+        raise InputError(f"--set {setting}: {text!r} is neither a TOML value nor a word")
+    return parsed["value"]

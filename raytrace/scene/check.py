@@ -1,17 +1,20 @@
 """Whether a scene made in Python holds what a scene file may hold."""
 
 import sys
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 
 from raytrace.errors import InputError
 from raytrace.scene.data import (
+    Checkerboard,
     Film,
     MatrixCamera,
     OrthographicCamera,
     PerspectiveCamera,
+    Plain,
+    Plane,
     Scene,
     Sky,
     Spheres,
@@ -20,7 +23,7 @@ from raytrace.scene.data import (
 from raytrace.scene.document import document_of, scene_of
 from raytrace.scene.rules import COORDINATE, INTENSITY, POSITIVE
 
-__all__ = ["check_choices", "check_scene", "is_traced"]
+__all__ = ["check_scene", "check_structure", "is_traced"]
 
 _SECTIONS = {
     "spheres": (Spheres,),
@@ -29,6 +32,21 @@ _SECTIONS = {
     "sky": (Sky,),
     "camera": (PerspectiveCamera, OrthographicCamera, MatrixCamera),
     "film": (Film,),
+}
+#: One record of each class, for the shapes of its arrays.
+_TEMPLATES = {
+    type(record): record
+    for record in (
+        Plane(),
+        Checkerboard(),
+        Plain([0, 0, 0]),
+        Sun(),
+        Sky(),
+        Film(),
+        PerspectiveCamera(),
+        OrthographicCamera(1),
+        MatrixCamera(np.eye(4), np.eye(4)),
+    )
 }
 #: The shape of one sphere's entry in each array, and its rules.
 _SPHERES = {"center": ((3,), COORDINATE), "radius": ((), POSITIVE), "color": ((3,), INTENSITY)}
@@ -40,33 +58,63 @@ def check_scene(scene: Scene, where: str = "scene") -> None:
     Raises:
         InputError: the first mistake: `where`, the value's path, what was found, what would be right.
     """
-    for name, kinds in _SECTIONS.items():
-        if not isinstance(getattr(scene, name), kinds):
-            found = type(getattr(scene, name)).__name__
-            expected = " or ".join(kind.__name__ for kind in kinds)
-            raise InputError(f"{where}: {name}: must be a {expected}, found {found}")
+    _check_structure(scene, where)
     _check_spheres(scene.spheres, where)
     film = replace(scene.film, tone_mapper="none") if callable(scene.film.tone_mapper) else scene.film
     scene_of(document_of(replace(scene, spheres=Spheres(), film=film)), where)
 
 
-def check_choices(scene: Scene, where: str = "scene") -> None:
-    """Checks what is known of a traced scene too: everything but its numbers.
+def check_structure(scene: Scene, where: str = "scene") -> None:
+    """Checks what is known of a traced scene too: everything but its numbers, that is sections, shapes and choices.
 
     Raises:
         InputError: the first mistake.
     """
+    _check_structure(scene, where)
     film = Film(white_point=scene.film.white_point, tone_mapper=scene.film.tone_mapper, transfer=scene.film.transfer)
     check_scene(Scene(lighting=scene.lighting, film=film), where)
 
 
+def _check_structure(scene: Scene, where: str) -> None:
+    for name, kinds in _SECTIONS.items():
+        if not isinstance(getattr(scene, name), kinds):
+            found = type(getattr(scene, name)).__name__
+            expected = " or ".join(kind.__name__ for kind in kinds)
+            raise InputError(f"{where}: {name}: must be a {expected}, found {found}")
+    count = np.shape(scene.spheres.radius)
+    if len(count) != 1:
+        raise InputError(f"{where}: spheres.radius: must be of shape (n,), found {count}")
+    for name, (shape, _) in _SPHERES.items():
+        _check_shape(getattr(scene.spheres, name), count + shape, f"{where}: spheres.{name}")
+    for i, plane in enumerate(scene.planes):
+        if not isinstance(plane, Plane) or not isinstance(plane.pattern, Checkerboard | Plain):
+            raise InputError(f"{where}: planes[{i}]: must be a Plane with a Checkerboard or Plain pattern")
+        _check_record(plane, f"{where}: planes[{i}]")
+        _check_record(plane.pattern, f"{where}: planes[{i}].pattern")
+    for name in ("sun", "sky", "camera", "film"):
+        _check_record(getattr(scene, name), f"{where}: {name}")
+
+
+def _check_record(record: Any, path: str) -> None:
+    """Each array of the record has the shape that its class gives it."""
+    template = _TEMPLATES[type(record)]
+    for entry in fields(record):
+        expected = getattr(template, entry.name)
+        if isinstance(expected, np.ndarray):
+            _check_shape(getattr(record, entry.name), expected.shape, f"{path}.{entry.name}")
+
+
+def _check_shape(value: Any, shape: tuple[int, ...], path: str) -> None:
+    if not hasattr(value, "shape"):
+        raise InputError(f"{path}: must be an array of numbers, found {type(value).__name__}")
+    if value.shape != shape:
+        raise InputError(f"{path}: must be of shape {shape}, found {value.shape}")
+
+
 def _check_spheres(spheres: Spheres, where: str) -> None:
     """All spheres at once: there may be a million."""
-    n = len(spheres.radius) if np.ndim(spheres.radius) else 0
-    for name, (shape, rules) in _SPHERES.items():
+    for name, (_, rules) in _SPHERES.items():
         values = np.asarray(getattr(spheres, name))
-        if values.shape != (n, *shape):
-            raise InputError(f"{where}: spheres.{name}: must be of shape {(n, *shape)}, found {values.shape}")
         for rule in rules:
             wrong = np.argwhere(~np.asarray(rule.holds(values)))
             if len(wrong):

@@ -12,6 +12,8 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
+from raytrace.errors import InputError
+
 __all__ = [
     "Camera",
     "Checkerboard",
@@ -47,15 +49,20 @@ def _node(cls: type) -> type:
     return cls
 
 
-def _as_array(value: Any) -> Any:
-    """Numbers, sequences of them and arrays of integers as float64 arrays; records, and all that is traced, as is."""
-    if isinstance(value, list | tuple) and any(isinstance(part, _Record) for part in value):
-        return tuple(value)
-    if isinstance(value, int | float | list) or (isinstance(value, tuple) and value):
+def _as_array(value: Any, name: str) -> Any:
+    """Numbers, sequences of them and arrays of integers as float64 arrays; records, and all that is traced, as is.
+
+    Raises:
+        InputError: a sequence holds something that is no number, or that is traced.
+    """
+    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "f":
+        return value
+    if not isinstance(value, int | float | list | tuple | np.ndarray | np.generic):
+        return value
+    try:
         return np.asarray(value, dtype=np.float64)
-    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind in "iub":
-        return value.astype(np.float64)
-    return value
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: must be numbers, or one array (jax.numpy.array for traced ones)") from None
 
 
 def _equal(a: Any, b: Any) -> bool:
@@ -71,8 +78,11 @@ class _Record:
 
     def __post_init__(self):
         for entry in fields(self):
-            if not entry.metadata.get("static"):
-                object.__setattr__(self, entry.name, _as_array(getattr(self, entry.name)))
+            value = getattr(self, entry.name)
+            if entry.name == "planes":
+                object.__setattr__(self, "planes", tuple(value) if isinstance(value, list) else value)
+            elif not entry.metadata.get("static"):
+                object.__setattr__(self, entry.name, _as_array(value, entry.name))
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):

@@ -97,36 +97,32 @@ def explained(error: ValidationError, document: Any) -> str:
     first, *more = error.errors(include_url=False)
     context = first.get("ctx", {})
     path = _path(first["loc"], document)
-    if first["type"] == "unknown_key":
+    if first["type"] == "wrong_key":
         told = f"{_join(path, context['key'])}: {first['msg']}"
     elif first["type"] == "missing":
         told = f"{path}: missing"
     else:
         message = first["msg"].replace("Input should", "must")
-        told = f"{path or 'scene'}: {message}{_found(first['input'])}"
+        told = f"{path or 'scene'}: {message}{'' if 'found' in message else _found(first['input'])}"
     return told + (f" (and {len(more)} more)" if more else "")
 
 
 def _found(value: Any) -> str:
     """What was found, where it is short enough to say."""
-    text = repr(value)
-    return f", found {text}" if len(text) <= 60 else ""
+    text = repr(value) if not isinstance(value, dict) else ""
+    return f", found {text}" if 0 < len(text) <= 60 else ""
 
 
 def _path(location: tuple, document: Any) -> str:
     """``spheres[3].radius`` for pydantic's location, which also holds the tags of unions."""
     path = ""
     for part in location:
-        if isinstance(document, dict) and part not in document and part != location[-1]:
+        there = isinstance(document, dict) and part in document
+        if part in (*_CAMERAS, *_PATTERNS) and not there:
             continue
-        if isinstance(part, int):
-            document = document[part] if isinstance(document, list | tuple) and part < len(document) else None
-        else:
-            # The table that a union's tag stands for is the last part of a location of its own mistakes.
-            if isinstance(document, dict) and part not in document and part in (*_CAMERAS, *_PATTERNS):
-                continue
-            document = document.get(part) if isinstance(document, dict) else None
         path = _join(path, part)
+        in_list = isinstance(part, int) and isinstance(document, list) and part < len(document)
+        document = document[part] if there or in_list else None
     return path
 
 

@@ -67,6 +67,15 @@ Matrix = _list(_list(_number(COORDINATE), 4, "numbers"), 4, "rows")
 WhitePoint = Annotated[Any, BeforeValidator(_white_point)]
 
 
+#: The keys that choose among the tables of a union, and their values.
+_TAGS = {"projection": ("perspective", "orthographic", "matrices"), "type": ("checkerboard", "plain")}
+
+
+def _wrong_key(key: str, message: str) -> PydanticCustomError:
+    """A mistake of a table that belongs to one of its keys."""
+    return PydanticCustomError("wrong_key", "{message}", {"key": key, "message": message})
+
+
 class Table(BaseModel):
     """A table of the file. A key that it does not know is an error that names the nearest one it does."""
 
@@ -77,10 +86,13 @@ class Table(BaseModel):
     def _known_keys(cls, table: Any) -> Any:
         if not isinstance(table, dict | cls):
             raise mistake("must be a table")
-        for key in table if isinstance(table, dict) else ():
+        keys = table if isinstance(table, dict) else {}
+        for key, tags in _TAGS.items():
+            if key in cls.model_fields and key in keys and keys[key] not in tags:
+                raise _wrong_key(key, f"unknown {keys[key]!r}; {did_you_mean(keys[key], tags, 'there is')}")
+        for key in keys:
             if key not in cls.model_fields:
-                allowed = did_you_mean(key, cls.model_fields, "allowed")
-                raise PydanticCustomError("unknown_key", "unknown key; {allowed}", {"key": key, "allowed": allowed})
+                raise _wrong_key(key, f"unknown key; {did_you_mean(key, cls.model_fields, 'allowed')}")
         return table
 
 
@@ -94,13 +106,15 @@ def _defaults(record: Any) -> Any:
     return plain
 
 
-def _by(key: str, default: str, *tags: str) -> Discriminator:
-    """Chooses among the tables of a union by `key`; another value is left to the default table to refuse."""
+def _by(key: str) -> Discriminator:
+    """Chooses among the tables of a union by `key`; another value is left to the first table to refuse."""
+    tags = _TAGS[key]
+    default = tags[0]
 
     def choose(table: Any) -> str:
         # pydantic also asks it of tables already made, when it writes them.
         tag = table.get(key, default) if isinstance(table, dict) else getattr(table, key, default)
-        return tag if tag in tags else default
+        return tag if tag in list(tags) else default
 
     return Discriminator(choose)
 
@@ -135,7 +149,7 @@ class PlaneTable(Table):
     normal: Direction = _plane("normal")
     pattern: Annotated[
         Annotated[CheckerboardTable, Tag("checkerboard")] | Annotated[PlainTable, Tag("plain")],
-        _by("type", "checkerboard", "checkerboard", "plain"),
+        _by("type"),
     ] = CheckerboardTable()
     casts_shadow: bool = _plane("casts_shadow")
 
@@ -229,7 +243,7 @@ class SceneDocument(Table):
         Annotated[PerspectiveTable, Tag("perspective")]
         | Annotated[OrthographicTable, Tag("orthographic")]
         | Annotated[MatricesTable, Tag("matrices")],
-        _by("projection", "perspective", "perspective", "orthographic", "matrices"),
+        _by("projection"),
     ] = PerspectiveTable()
     sun: SunTable = SunTable()
     sky: SkyTable = SkyTable()
