@@ -136,6 +136,9 @@ def test_pixel_in_other_arithmetics(dtype):
         (["render", "nowhere.toml"], "nowhere.toml: no such file"),
         (["render", "--nonsense"], "No such option: --nonsense"),
         (["render", "--size", "1920"], "size: must be WIDTHxHEIGHT"),
+        (["show", "--json", "--size", "0x0"], "size: must be (width, height)"),
+        (["bench", "--size", "0x0"], "size: must be (width, height)"),
+        (["render", "--bits", "0", *SMALL], "has no 0 bits a channel"),
         (["render", "--size", "0x10"], "size: must be (width, height), each from 1 to 65536 pixels, found (0, 10)"),
         (["render", "--size=-3x10"], "size: must be (width, height)"),
         (["render", "--size", "70000x10"], "size: must be (width, height)"),
@@ -183,8 +186,29 @@ def test_a_full_disk_is_one_line():
     assert list(Path().iterdir()) == []
 
 
-@pytest.mark.parametrize("backend", ["numpy", "jax"])
-def test_ctrl_c_leaves_nothing(backend):
+def test_standard_output_may_be_full_or_closed():
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run([*COMMAND, "scenes"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert (done.returncode, done.stderr) == (
+        2,
+        "raytrace: standard output: cannot be written: no space left on device\n",
+    )
+    shell = f'"{sys.executable}" -c "{COMMAND[-1]}"'
+    assert subprocess.run(f"{shell} scenes >&-", shell=True, check=False).returncode == 0
+    assert subprocess.run(f"{shell} render nowhere 2>&-", shell=True, check=False).returncode == 2
+    done = subprocess.run(f"{shell} show --json | head -1", shell=True, capture_output=True, text=True, check=False)
+    assert (done.stdout, done.stderr) == ("{\n", "")
+
+
+@pytest.mark.parametrize(
+    ("backend", "number", "code", "told"),
+    [
+        ("numpy", signal.SIGINT, 130, "raytrace: interrupted\n"),
+        ("jax", signal.SIGINT, 130, "raytrace: interrupted\n"),
+        ("numpy", signal.SIGTERM, 143, ""),
+    ],
+)
+def test_an_interruption_leaves_nothing(backend, number, code, told):
     Path("checkerboard.png").write_text("mine")
     args = ["render", "--size", "16384x16384", "--backend", backend, "--samples", "4"]
     process = subprocess.Popen([*COMMAND, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -192,9 +216,9 @@ def test_ctrl_c_leaves_nothing(backend):
     while len(list(Path().iterdir())) < 2 and time.monotonic() < deadline:
         time.sleep(0.05)
     time.sleep(4)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     stdout, stderr = process.communicate(timeout=60)
-    assert (process.returncode, stdout, stderr) == (130, "", "raytrace: interrupted\n")
+    assert (process.returncode, stdout, stderr) == (code, "", told)
     assert [file.name for file in Path().iterdir()] == ["checkerboard.png"]
     assert Path("checkerboard.png").read_text() == "mine"
 

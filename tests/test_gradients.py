@@ -64,6 +64,42 @@ def test_every_derivative_of_any_scene_is_finite(scene):
     assert_finite(gradient_of_any(scene))
 
 
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1e6, 1e11])
+def test_derivatives_are_finite_at_the_limits_of_size(size):
+    """The last figure's world, so small and so large that validation just admits it, in float32."""
+    scene = raytrace.load_scene("checkerboard")
+    spheres_, plane, camera = scene.spheres, scene.planes[0], scene.camera
+    scaled = raytrace.Scene(
+        spheres=raytrace.Spheres(spheres_.center * size, spheres_.radius * 5 * size, spheres_.color),
+        planes=(
+            raytrace.Plane(plane.point * size, plane.normal, raytrace.Checkerboard(2 * size)),
+            raytrace.Plane(plane.point * size, plane.normal, raytrace.Plain([1, 1, 1]), casts_shadow=True),
+        ),
+        camera=raytrace.PerspectiveCamera(
+            camera.position * size, camera.position * size - [0, 0, 2 * size], near=size, far=2 * size
+        ),
+    )
+    check_scene(scaled)
+    assert np.isfinite(raytrace.render(scaled, SIZE)).all()
+    assert_finite(gradient_of_any(scaled))
+
+
+@pytest.mark.parametrize("tone_mapper", ["aces", "reinhard", "hable", "none"])
+@pytest.mark.parametrize("transfer", ["gamma2.2", "srgb", "none"])
+def test_white_is_white_at_the_limits_of_brightness(tone_mapper, transfer):
+    """The brightest colours that validation admits, in float32: nothing overflows on the way, to black or below 0."""
+    scene = raytrace.Scene(
+        spheres=raytrace.Spheres([[0, 0, 0]], [1.0], [[1e6, 1e6, 1e6]]),
+        sun=raytrace.Sun(color=[1e6, 1e6, 1e6]),
+        sky=raytrace.Sky(low=[1e6, 1e6, 1e6], high=[1e6, 1e6, 1e6], void=[1e6, 1e6, 1e6]),
+        film=raytrace.Film(exposure=16, tone_mapper=tone_mapper, transfer=transfer, white_point=3000.0),
+    )
+    image = np.asarray(raytrace.render(scene, SIZE))
+    np.testing.assert_allclose(image, 1, atol=2e-6)
+    if transfer == "gamma2.2":
+        assert_finite(jax.grad(lambda scene: raytrace.render(scene, (8, 4)).sum())(scene))
+
+
 @pytest.mark.parametrize("tone_mapper", ["aces", "reinhard", "hable", "none"])
 @pytest.mark.parametrize("transfer", ["gamma2.2", "srgb", "none"])
 def test_black_and_nearly_black_have_a_finite_derivative(tone_mapper, transfer):

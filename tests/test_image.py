@@ -85,7 +85,8 @@ def test_what_cannot_be_written(image):
         ("text/a.png", {}, "the folder text does not exist"),
         ("folder.png", {}, "is a folder"),
         ("a.png", {"bits": 32}, "has no 32 bits a channel; there is: 8, 16"),
-        ("a.png", {"output": "steps"}, "only .exr"),
+        ("a.png", {"bits": 0}, "has no 0 bits a channel"),
+        ("a.png", {"output": "steps"}, "is 'display' or 'linear', found 'steps'"),
     ]:
         with pytest.raises(raytrace.InputError, match="^" + path.replace(".", r"\.")) as error:
             raytrace.write_image(path, image, **options)
@@ -93,6 +94,37 @@ def test_what_cannot_be_written(image):
     with pytest.raises(raytrace.InputError, match=r"array \(height, width, 3\), found \(7, 5\)"):
         raytrace.write_image("a.png", image[..., 0])
     assert {file.name for file in Path().iterdir()} == {"folder.png", "text"}
+
+
+def test_what_is_no_image(image):
+    steps = raytrace.render("sphere", (4, 4), output="steps")
+    nan = np.where(image > 0.5, np.nan, image)
+    for wrong, told in [
+        ((image * 255).astype(np.uint8), "floats, with 1 for white, found uint8"),
+        (image.astype(complex), "found complex128"),
+        (nan, "not finite"),
+        ({}, "steps are a dict of pixelNdc"),
+        (steps | {"more": image}, "steps are a dict of pixelNdc"),
+    ]:
+        with pytest.raises(raytrace.InputError) as error:
+            raytrace.write_image("a.exr", wrong)
+        assert told in str(error.value)
+    with pytest.raises(raytrace.InputError, match=r"only \.exr"):
+        raytrace.write_image("a.png", steps)
+    assert list(Path().iterdir()) == []
+
+
+def test_a_half_precision_array_is_rounded_like_any_other(image):
+    raytrace.write_image("a.png", image.astype(np.float16), bits=16)
+    np.testing.assert_allclose(raytrace.read_image("a.png"), np.clip(image, 0, 1), atol=1e-3)
+
+
+def test_a_link_stays_a_link(image):
+    Path("real.png").write_text("old")
+    Path("link.png").symlink_to("real.png")
+    raytrace.write_image("link.png", image)
+    assert Path("link.png").is_symlink()
+    assert raytrace.read_image("real.png").shape == image.shape
 
 
 def begin(image, end=None):

@@ -6,7 +6,7 @@ become NumPy float64 arrays; arrays, traced ones included, are kept as they are.
 `raytrace.render` check the values.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal, TypeAlias
 
@@ -197,13 +197,13 @@ class Film(_Record):
     """
 
     exposure: Number = 0.0
-    white_point: float | tuple[float, float] | None = field(default=None, metadata=_STATIC)
+    white_point: float | Sequence[float] | None = field(default=None, metadata=_STATIC)
     tone_mapper: str | Callable = field(default="aces", metadata=_STATIC)
     transfer: str = field(default="gamma2.2", metadata=_STATIC)
 
     def __post_init__(self):
         super().__post_init__()
-        if isinstance(self.white_point, list | np.ndarray):
+        if isinstance(self.white_point, list | tuple | np.ndarray):
             object.__setattr__(self, "white_point", tuple(map(float, self.white_point)))
 
 
@@ -215,7 +215,7 @@ class Scene(_Record):
     """
 
     spheres: Spheres = field(default_factory=Spheres)
-    planes: tuple[Plane, ...] = ()
+    planes: Sequence[Plane] = ()
     sun: Sun = field(default_factory=Sun)
     sky: Sky = field(default_factory=Sky)
     lighting: Literal["off", "on", "shadow"] = field(default="shadow", metadata=_STATIC)

@@ -134,6 +134,56 @@ def test_a_whole_scene_passes_through_jit():
     np.testing.assert_allclose(jitted(scene), raytrace.render(scene, (32, 18)), rtol=0, atol=2e-5)
 
 
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_a_concrete_scene_renders_inside_a_trace(dtype):
+    """As the fixed target of a loss does."""
+    target = jax.jit(lambda x: x * raytrace.render("checkerboard", (16, 9), dtype=dtype).mean())(1.0)
+    assert float(target) == pytest.approx(float(raytrace.render("checkerboard", (16, 9), dtype=dtype).mean()), rel=1e-6)
+
+
+@pytest.mark.parametrize("length", [1e-25, 1e20])
+def test_a_traced_direction_may_have_any_length(length):
+    scene = raytrace.load_scene("lit-sphere")
+
+    def image(direction):
+        return raytrace.render(replace(scene, sun=replace(scene.sun, direction=direction)), (32, 18))
+
+    direction = np.array([1, 0.75, 1]) * length
+    np.testing.assert_allclose(jax.jit(image)(jnp.float32(direction)), image(direction), rtol=0, atol=2e-5)
+    assert np.asarray(jax.grad(lambda d: image(d).sum())(jnp.float32(direction))).any()
+
+
+def test_only_what_is_traced_is_computed_in_its_precision():
+    """With the sun traced, the camera's matrices are still computed in double: the same rays, bit for bit."""
+    scene = raytrace.load_scene("checkerboard", ["camera.target=[0.3,0.1,-0.7]"])
+
+    def rays(color):
+        sunlit = replace(scene, sun=replace(scene.sun, color=color))
+        return raytrace.render(sunlit, (32, 18), output="steps")["rd"]
+
+    np.testing.assert_allclose(jax.jit(rays)(jnp.ones(3)), rays(np.ones(3)), rtol=0, atol=1.2e-7)
+
+
+def test_what_is_known_of_a_traced_scene_is_checked():
+    scene = raytrace.load_scene("checkerboard")
+    for change, told in [
+        (lambda s: replace(s, film=raytrace.Film(tone_mapper="acse")), "film.tone_mapper: must be"),
+        (lambda s: replace(s, film=raytrace.Film(transfer="gama")), "film.transfer: must be"),
+        (lambda s: replace(s, sun=replace(s.sun, direction=s.sun.direction[:2])), "sun.direction: must be of shape"),
+        (lambda s: replace(s, spheres=replace(s.spheres, radius=s.spheres.radius[:2])), "spheres.center: must be of"),
+    ]:
+        with pytest.raises(raytrace.InputError, match=told):
+            jax.jit(lambda s, change=change: raytrace.render(change(s), (8, 4)))(scene)
+
+
+def test_a_scene_maps_over_axes():
+    scene = raytrace.load_scene("sphere")
+    batch = jax.tree.map(lambda leaf: jnp.stack([leaf, leaf]), scene)
+    axes = jax.tree.map(lambda _: 0, scene)
+    images = jax.vmap(lambda scene: raytrace.render(scene, (8, 4)), in_axes=(axes,))(batch)
+    assert images.shape == (2, 4, 8, 3)
+
+
 def test_another_scenes_values_are_not_compiled_again():
     from raytrace.backends.jax.renderer import _compiled
 

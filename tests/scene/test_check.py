@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -30,6 +33,34 @@ def test_arrays_of_spheres_name_the_sphere():
     center[2, 1] = np.nan
     assert refused(balls(center=center)) == "scene: spheres[2].center[1]: must be a finite number, found nan"
     assert "spheres.center: must be of shape (3, 3), found (2, 3)" in refused(balls(center=np.zeros((2, 3))))
+
+
+@pytest.mark.parametrize(
+    ("scene", "told"),
+    [
+        ("Scene(camera=None)", "camera: must be a PerspectiveCamera or"),
+        ("Scene(spheres=None)", "spheres: must be a Spheres, found NoneType"),
+        ("Scene(planes=None)", "planes: must be a tuple, found NoneType"),
+        ("Scene(planes=(3,))", "planes[0]: must be a Plane"),
+        ("Scene(sun=Sun(direction=None))", "sun.direction: must be an array of numbers"),
+        ("Scene(sun=Sun(direction=[1, 2]))", "sun.direction: must be of shape (3,), found (2,)"),
+        ("Scene(spheres=Spheres(radius=[[1]]))", "spheres.radius: must be of shape (n,), found (1, 1)"),
+        ("Scene(spheres=Spheres(center=[['a', 0, 0]]))", "center: must be numbers"),
+    ],
+)
+def test_scenes_of_the_wrong_things(scene, told):
+    """In a process of its own: here the annotations, checked in the tests, would refuse them first."""
+    code = f"from raytrace import *\ntry:\n    check_scene({scene})\nexcept InputError as error:\n    print(error)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told in done.stdout
+
+
+def test_lists_will_do():
+    scene = raytrace.Scene(planes=[raytrace.Plane()], film=raytrace.Film(white_point=[0.31, 0.33]))
+    raytrace.check_scene(scene)
+    assert scene.planes == (raytrace.Plane(),)
+    assert raytrace.render(scene, (4, 4), backend="numpy", dtype="float32").shape == (4, 4, 3)
+    assert raytrace.Scene(planes=[]) == raytrace.Scene()
 
 
 def test_a_million_spheres_are_checked():
