@@ -1,7 +1,5 @@
 """Settings of the whole suite. Annotations of the package are checked at run time: see pyproject.toml."""
 
-import os
-
 import pytest
 from hypothesis import HealthCheck, settings
 
@@ -15,9 +13,3 @@ settings.load_profile("raytrace")
 def in_empty_folder(tmp_path, monkeypatch):
     """Every test runs in a folder of its own, so that what it writes by default goes there."""
     monkeypatch.chdir(tmp_path)
-
-
-@pytest.fixture(scope="session", autouse=True)
-def few_threads():
-    """One test worker a core is enough."""
-    os.environ.setdefault("OMP_NUM_THREADS", "1")

@@ -1,12 +1,15 @@
 """The sun's direction as two angles, in degrees."""
 
+import math
 from typing import Any
+
+import numpy as np
 
 from raytrace.shader.namespace import namespace
 
 __all__ = ["sun_angles", "sun_direction"]
 
-_DEGREE = 0.017453292519943295
+_DEGREE = math.pi / 180
 
 
 def sun_direction(azimuth: Any, elevation: Any) -> Any:
@@ -14,11 +17,7 @@ def sun_direction(azimuth: Any, elevation: Any) -> Any:
 
     NumPy arrays and numbers give a NumPy array, JAX arrays a JAX array.
     """
-    import numpy as np
-
-    if not hasattr(azimuth, "__array_namespace__") and not hasattr(elevation, "__array_namespace__"):
-        azimuth = np.float64(azimuth)
-    xp = namespace(azimuth, elevation)
+    xp = namespace(azimuth, elevation, np.float64(0))
     azimuth, elevation = xp.asarray(azimuth) * _DEGREE, xp.asarray(elevation) * _DEGREE
     level = xp.cos(elevation)
     return xp.stack([level * xp.sin(azimuth), xp.sin(elevation), -level * xp.cos(azimuth)])
@@ -26,12 +25,9 @@ def sun_direction(azimuth: Any, elevation: Any) -> Any:
 
 def sun_angles(direction: Any) -> tuple[Any, Any]:
     """(azimuth, elevation) in degrees of a direction (3,) of any length: atan2(x, -z) and asin(y)."""
-    import numpy as np
-
-    if not hasattr(direction, "__array_namespace__"):
-        direction = np.asarray(direction, dtype=np.float64)
-    xp = namespace(direction)
+    xp = namespace(direction, np.float64(0))
+    direction = xp.asarray(direction)
     x, y, z = direction / xp.max(xp.abs(direction))
     length = xp.sqrt(x * x + y * y + z * z)
-    # In 2.0 asin(y / length) may be asked of a number one rounding above 1.
+    # A rounding may take y / length above 1.
     return xp.arctan2(x, -z) / _DEGREE, xp.arcsin(xp.clip(y / length, -1, 1)) / _DEGREE
