@@ -54,8 +54,8 @@ class Renderer:
     """A scene, ready to be rendered; see `raytrace.backends.Renderer`."""
 
     def __init__(self, uniforms: Uniforms, job: Job):
-        number = np.dtype(job.dtype).type
-        self.uniforms = tree_map(lambda x: number(x if job.exact_inputs else np.float32(x)), uniforms)
+        given = np.float64 if job.exact_inputs else np.float32
+        self.uniforms = tree_map(lambda x: np.asarray(x, given).astype(job.dtype), uniforms)
         self.job = job
 
     def compile(self, count: int) -> None:

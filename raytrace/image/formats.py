@@ -42,8 +42,8 @@ def file_format(path: Path) -> Format:
 _EPOCH = "1970:01:01 00:00:00"
 _PREFIX = "raytrace:"
 _DESCRIPTION = "ImageDescription"
-#: What Exif calls a colour space that is not sRGB. Without a word on it OpenImageIO 3.2 writes a broken directory.
-_UNCALIBRATED = 0xFFFF
+#: What Exif calls sRGB, and all else. Without a word on it OpenImageIO fails to write TIFF's directory of Exif data.
+_SRGB, _UNCALIBRATED = 1, 0xFFFF
 
 
 def attributes(path: Path, output: str, metadata: Mapping[str, str]) -> dict[str, Any]:
@@ -53,8 +53,8 @@ def attributes(path: Path, output: str, metadata: Mapping[str, str]) -> dict[str
     """
     told = {"DateTime": _EPOCH}
     tiff, linear = path.suffix.lower() in _TIFF_ENDINGS, output == "linear"
-    if tiff and linear:
-        told["Exif:ColorSpace"] = _UNCALIBRATED
+    if tiff:
+        told["Exif:ColorSpace"] = _UNCALIBRATED if linear else _SRGB
     else:
         told["oiio:ColorSpace"] = "lin_rec709_scene" if linear else "srgb_rec709_display"
     if tiff:

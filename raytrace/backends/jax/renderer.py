@@ -80,7 +80,7 @@ def _given(x: Any, dtype: str, exact: bool) -> jax.Array:
     The gradient passes the rounding as if it were not there.
     """
     if not isinstance(x, jax.core.Tracer):
-        return jnp.asarray(x if exact else np.float32(x), dtype=dtype)
+        return jnp.asarray(np.asarray(x, np.float64 if exact else np.float32), dtype=dtype)
     if not exact and x.dtype == jnp.float64 and dtype == "float64":
         # Neighbours' difference is exact, and so is the sum.
         return x + lax.stop_gradient(x.astype(jnp.float32).astype(dtype) - x)
