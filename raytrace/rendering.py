@@ -51,8 +51,9 @@ class Rendering:
         engine: Engine | None = None,
     ):
         _check(size, backend, dtype, samples, output, intersection)
-        scene = scene if isinstance(scene, Scene) else load_scene(scene)
-        if is_traced(scene):
+        if not isinstance(scene, Scene):
+            scene = load_scene(scene)  # which checks it
+        elif is_traced(scene):
             if backend != "jax":
                 raise InputError(f"backend {backend}: the scene is traced by JAX, which only backend 'jax' can render")
             check_structure(scene)

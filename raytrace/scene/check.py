@@ -58,7 +58,7 @@ def check_scene(scene: Scene, where: str = "scene") -> None:
     Raises:
         InputError: the first mistake: `where`, the value's path, what was found, what would be right.
     """
-    _check_structure(scene, where)
+    _check_sections(scene, where)
     _check_spheres(scene.spheres, where)
     film = replace(scene.film, tone_mapper="none") if callable(scene.film.tone_mapper) else scene.film
     scene_of(document_of(replace(scene, spheres=Spheres(), film=film)), where)
@@ -70,12 +70,12 @@ def check_structure(scene: Scene, where: str = "scene") -> None:
     Raises:
         InputError: the first mistake.
     """
-    _check_structure(scene, where)
+    _check_sections(scene, where)
     film = Film(white_point=scene.film.white_point, tone_mapper=scene.film.tone_mapper, transfer=scene.film.transfer)
     check_scene(Scene(lighting=scene.lighting, film=film), where)
 
 
-def _check_structure(scene: Scene, where: str) -> None:
+def _check_sections(scene: Scene, where: str) -> None:
     for name, kinds in _SECTIONS.items():
         if not isinstance(getattr(scene, name), kinds):
             found = type(getattr(scene, name)).__name__

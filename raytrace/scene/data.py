@@ -78,11 +78,8 @@ class _Record:
 
     def __post_init__(self):
         for entry in fields(self):
-            value = getattr(self, entry.name)
-            if entry.name == "planes":
-                object.__setattr__(self, "planes", tuple(value) if isinstance(value, list) else value)
-            elif not entry.metadata.get("static"):
-                object.__setattr__(self, entry.name, _as_array(value, entry.name))
+            if not entry.metadata.get("static"):
+                object.__setattr__(self, entry.name, _as_array(getattr(self, entry.name), entry.name))
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):
@@ -221,6 +218,11 @@ class Scene(_Record):
     lighting: Literal["off", "on", "shadow"] = field(default="shadow", metadata=_STATIC)
     camera: Camera = field(default_factory=PerspectiveCamera)
     film: Film = field(default_factory=Film)
+
+    def __post_init__(self):
+        # Its fields are records, which have converted their own numbers.
+        if isinstance(self.planes, list):
+            object.__setattr__(self, "planes", tuple(self.planes))
 
 
 def concrete(record: Any) -> Any:

@@ -29,7 +29,7 @@ def scene_of(document: dict, where: str) -> data.Scene:
     try:
         tables = SceneDocument.model_validate(document).model_dump()
     except ValidationError as error:
-        raise InputError(f"{where}: {explained(error, document)}") from None
+        raise InputError(f"{where}: {_explained(error, document)}") from None
     camera = tables["camera"]
     spheres = tables["spheres"]
     return data.Scene(
@@ -92,7 +92,7 @@ def _plain(value: Any) -> Any:
     return list(value) if isinstance(value, tuple) else value
 
 
-def explained(error: ValidationError, document: Any) -> str:
+def _explained(error: ValidationError, document: Any) -> str:
     """The first mistake in one line: path, what would be right, what was found; and how many more there are."""
     first, *more = error.errors(include_url=False)
     context = first.get("ctx", {})

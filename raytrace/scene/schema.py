@@ -25,7 +25,7 @@ from raytrace.scene.rules import (
 )
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
 
-__all__ = ["SceneDocument", "SphereTable"]
+__all__ = ["SceneDocument"]
 
 
 def _number(rules: tuple[Rule, ...]) -> Any:
@@ -129,7 +129,7 @@ _checkerboard = _defaults(data.Checkerboard())
 
 
 class CheckerboardTable(Table):
-    type: Literal["checkerboard", "plain"] = "checkerboard"
+    type: Literal["checkerboard"] = "checkerboard"
     tile_size: Positive = _checkerboard("tile_size")
     even: Color = _checkerboard("even")
     odd: Color = _checkerboard("odd")
@@ -200,7 +200,7 @@ class PlacedCamera(Table):
 
 
 class PerspectiveTable(PlacedCamera):
-    projection: Literal["perspective", "orthographic", "matrices"] = "perspective"
+    projection: Literal["perspective"] = "perspective"
     field_of_view: Angle = _camera("field_of_view")
 
 

@@ -20,6 +20,8 @@ __all__ = ["DEFAULT_SCENE", "load_scene", "save_scene", "scene_hash", "scene_tom
 
 DEFAULT_SCENE = "checkerboard"
 
+_BUILT_IN = resources.files("raytrace") / "scenes"
+
 #: A list of numbers as tomli_w writes it, a line each.
 _NUMBERS = re.compile(r"\[\n((?:\s+[-+.\de]+,\n)+)\s*\]")
 
@@ -28,7 +30,7 @@ def scenes() -> dict[str, str]:
     """The built-in scenes: their names, in the order of the assignment's figures, and what each one shows."""
     comments = {
         file.name.removesuffix(".toml"): file.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
-        for file in (resources.files("raytrace") / "scenes").iterdir()
+        for file in _BUILT_IN.iterdir()
         if file.name.endswith(".toml")
     }
     return dict(sorted(comments.items(), key=lambda item: (not item[1].startswith("Figure"), item[1])))
@@ -54,9 +56,10 @@ def load_scene(scene: str | Path, changes: Iterable[str] = ()) -> Scene:
 
 
 def _text(name: str) -> str:
-    if name in scenes():
-        return (resources.files("raytrace") / "scenes" / f"{name}.toml").read_text(encoding="utf-8")
     path = Path(name)
+    built_in = _BUILT_IN / f"{name}.toml"
+    if path.name == name and built_in.is_file():
+        return built_in.read_text(encoding="utf-8")
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:
