@@ -1,0 +1,80 @@
+"""The command line: parse, call, print. A file for each group of commands."""
+
+import os
+import signal
+import sys
+from importlib.metadata import version
+from typing import Annotated
+
+import typer
+
+from raytrace.cli.bench import bench
+from raytrace.cli.render import pixel, render
+from raytrace.cli.scenes import list_scenes, show
+from raytrace.errors import InputError
+from raytrace.files import reason
+
+__all__ = ["app", "run"]
+
+app = typer.Typer(
+    help="The reference implementation of the ray tracing assignment.",
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+app.command()(render)
+app.command(name="scenes")(list_scenes)
+app.command()(show)
+app.command()(pixel)
+app.command()(bench)
+
+
+@app.callback(invoke_without_command=True)
+def _without_command(
+    context: typer.Context,
+    show_version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    if show_version:
+        print(f"raytrace {version('raytrace')}")
+    elif context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+# The common base of typer's own errors, of which typer.BadParameter is one, wherever the class is kept.
+_UsageError = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
+
+
+_INTERRUPTED = 130
+
+
+def run() -> None:
+    """The command `raytrace`: 0 if all went well, 2 for bad input, with one line that says what; 130 for Ctrl-C."""
+    # As `timeout` and service managers end a process: it cleans up behind itself then too.
+    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+    try:
+        code = app(standalone_mode=False)
+        if code == _INTERRUPTED:  # typer's own answer to Ctrl-C
+            raise KeyboardInterrupt
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except InputError as error:
+        code = _failed(str(error))
+    except _UsageError as error:
+        code = _failed(error.format_message())
+    except (KeyboardInterrupt, typer.Abort):
+        code = _failed("interrupted", _INTERRUPTED)
+    except BrokenPipeError:
+        code = 0  # whoever reads has seen enough
+    except OSError as error:
+        code = _failed(f"standard output: cannot be written: {reason(error)}")
+    except SystemExit as ended:
+        code = ended.code
+    # Not by way of the interpreter's end: after an interruption XLA may still be computing in a thread of its own,
+    # and would crash when the interpreter is taken down under it.
+    os._exit(code or 0)
+
+
+def _failed(message: str, code: int = 2) -> int:
+    if sys.stderr is not None:
+        print("raytrace: " + " ".join(message.split()), file=sys.stderr, flush=True)
+    return code

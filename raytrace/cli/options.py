@@ -1,0 +1,45 @@
+"""What several commands share: options, sizes, progress."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Annotated
+
+import typer
+
+from raytrace.errors import InputError
+from raytrace.rendering import check_size
+
+__all__ = ["BackendName", "Changes", "Dtype", "ExactInputs", "Intersection", "Scene", "Size", "progress", "size_of"]
+
+Scene = Annotated[str, typer.Argument(help="A built-in scene's name (see 'raytrace scenes') or a TOML file.")]
+Size = Annotated[str, typer.Option(help="WIDTHxHEIGHT in pixels.")]
+Changes = Annotated[list[str], typer.Option("--set", help="key=value, such as sun.direction=[0,1,0]; repeatable.")]
+BackendName = Annotated[str, typer.Option(help="jax or numpy.")]
+Dtype = Annotated[str, typer.Option(help="float32 or float64; with numpy also longdouble.")]
+Intersection = Annotated[str | None, typer.Option(help="textbook or robust; default: robust in float32 only.")]
+ExactInputs = Annotated[bool, typer.Option("--exact-inputs", help="Do not round the scene's numbers to float32.")]
+
+
+def size_of(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    try:
+        size = int(width), int(height)
+    except ValueError:
+        raise InputError(f"size: must be WIDTHxHEIGHT, such as 1920x1080, found {text!r}") from None
+    check_size(size)
+    return size
+
+
+@contextmanager
+def progress(rows: int) -> Iterator:
+    """A progress bar on a terminal, nothing anywhere else; gives the function that advances it."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield lambda done: None
+        return
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("rendering", total=rows)
+        yield lambda done: progress.advance(task, done)
