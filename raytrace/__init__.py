@@ -1,6 +1,6 @@
 """raytrace: the vectorized reference implementation of a real-time graphics course's ray tracer."""
 
-from raytrace.errors import InputError
+from raytrace.errors import EngineFailure, InputError
 from raytrace.image import read_image, write_image
 from raytrace.rendering import render
 from raytrace.scene import (
@@ -25,6 +25,7 @@ from raytrace.scene import (
 
 __all__ = [
     "Checkerboard",
+    "EngineFailure",
     "Film",
     "InputError",
     "MatrixCamera",

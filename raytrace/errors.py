@@ -1,15 +1,22 @@
-"""The one error that a user can cause."""
+"""What can go wrong: an error that a user can mend, and a failure of something that was run."""
 
 import difflib
 from collections.abc import Iterable
 
-__all__ = ["InputError", "did_you_mean"]
+__all__ = ["EngineFailure", "InputError", "did_you_mean"]
 
 
 class InputError(ValueError):
     """Something that was asked for cannot be: one line of what, where, and what would be right.
 
     The command line prints the line and exits with 2.
+    """
+
+
+class EngineFailure(RuntimeError):
+    """A graphics engine, or a shader on it, failed while it ran: it crashed, or did not end in time.
+
+    The command line prints the line and exits with 1.
     """
 
 

@@ -61,7 +61,8 @@ class Rendering:
             check_scene(scene)
             scene = concrete(scene)
         if intersection is None:
-            intersection = "robust" if dtype == "float32" else "textbook"
+            usual = "robust" if dtype == "float32" else "textbook"
+            intersection = BACKENDS[backend].intersection or usual
         self.scene, self.backend, self.dtype, self.output = scene, backend, dtype, output
         self.intersection, self.exact_inputs = intersection, exact_inputs
         self.frame = Frame(*map(int, size), samples=int(samples))
@@ -115,6 +116,7 @@ class Rendering:
             "samples": str(self.frame.samples),
             "exact_inputs": str(self.exact_inputs).lower(),
             "version": version("raytrace"),
+            **self.renderer.about(),
         }
 
     def _result(self, images: dict[str, Any]) -> Any:
@@ -136,20 +138,23 @@ def render(
 
     scene: a `Scene`, concrete or traced by JAX; a built-in's name; or a scene file's path.
     size: (width, height) in pixels.
-    backend: "jax" or "numpy".
-    dtype: "float32" or "float64"; with NumPy also "longdouble".
+    backend: "jax"; "numpy"; or the assignment's GLSL on a graphics engine, "opengl" or "webgl".
+    dtype: "float32"; with JAX and NumPy "float64"; with NumPy also "longdouble".
     samples: n for the mean, in linear light, of an n x n grid of samples a pixel, at (k + 1/2) / n.
     output: "display" for values in [0, 1]; "linear" for what the film is given, HDR; "steps" for a dict of every
         step of the shader by the assignment's name (`raytrace.shader.Steps`), arrays (height, width) or
         (height, width, components).
-    intersection: "textbook", the assignment's formula, or "robust"; by default robust in float32 only.
+    intersection: "textbook", the assignment's formula, or "robust"; by default robust in float32 only,
+        and textbook in GLSL.
     exact_inputs: carry the scene's numbers in `dtype` as they are, instead of rounding each once to float32, which
         is what a GPU is given.
 
-    JAX gives JAX arrays, but NumPy's for float64 while x64 mode is off; NumPy gives NumPy's.
+    JAX gives JAX arrays, but NumPy's for float64 while x64 mode is off; all others give NumPy's.
 
     Raises:
-        InputError: an argument or a value of the scene is wrong; float64 is asked of a JAX trace without x64.
+        InputError: an argument or a value of the scene is wrong; float64 is asked of a JAX trace without x64; the
+            backend's engine is not installed.
+        EngineFailure: a graphics engine crashed.
     """
     return Rendering(
         scene,

@@ -10,15 +10,21 @@ __all__ = ["BACKENDS", "Renderer", "renderer"]
 
 
 class Backend(NamedTuple):
-    """Where a backend is and which arithmetics it has."""
+    """Where a backend is, which arithmetics it has, and its formula for the sphere unless another is asked for.
+
+    intersection: ``None`` for robust in float32 and textbook otherwise.
+    """
 
     module: str
     dtypes: tuple[str, ...]
+    intersection: str | None = None
 
 
 BACKENDS = {
     "jax": Backend("raytrace.backends.jax", ("float32", "float64")),
     "numpy": Backend("raytrace.backends.numpy", ("float32", "float64", "longdouble")),
+    "opengl": Backend("raytrace.backends.opengl", ("float32",), intersection="textbook"),
+    "webgl": Backend("raytrace.backends.webgl", ("float32",), intersection="textbook"),
 }
 
 
@@ -31,6 +37,9 @@ class Renderer(Protocol):
 
     def compile(self, count: int) -> None:
         """Prepares for drawing `count` rows at a time, so that the next `draw` only draws."""
+
+    def about(self) -> dict[str, str]:
+        """What an image's metadata should say of what ran: "renderer", a name and a version."""
 
     def draw(self, first: int, count: int) -> dict[str, Any]:
         """The steps that are kept, for `count` rows from row `first` on.

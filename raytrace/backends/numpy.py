@@ -58,6 +58,9 @@ class Renderer:
         self.uniforms = tree_map(lambda x: np.asarray(x, given).astype(job.dtype), uniforms)
         self.job = job
 
+    def about(self) -> dict[str, str]:
+        return {"renderer": f"NumPy {np.__version__}"}
+
     def compile(self, count: int) -> None:
         """Nothing to compile."""
 

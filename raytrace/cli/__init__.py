@@ -11,7 +11,7 @@ import typer
 from raytrace.cli.bench import bench
 from raytrace.cli.render import pixel, render
 from raytrace.cli.scenes import list_scenes, show
-from raytrace.errors import InputError
+from raytrace.errors import EngineFailure, InputError
 from raytrace.files import reason
 
 __all__ = ["app", "run"]
@@ -44,11 +44,13 @@ def _without_command(
 _UsageError = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
 
 
+_RAN_AND_FAILED = 1
 _INTERRUPTED = 130
 
 
 def run() -> None:
-    """The command `raytrace`: 0 if all went well, 2 for bad input, with one line that says what; 130 for Ctrl-C."""
+    """The command `raytrace`: 0 if all went well, 2 for bad input, with one line that says what; 130 for Ctrl-C;
+    1 where something ran and failed."""
     # As `timeout` and service managers end a process: it cleans up behind itself then too.
     signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     try:
@@ -59,6 +61,8 @@ def run() -> None:
             sys.stdout.flush()
     except InputError as error:
         code = _failed(str(error))
+    except EngineFailure as error:
+        code = _failed(str(error), _RAN_AND_FAILED)
     except _UsageError as error:
         code = _failed(error.format_message())
     except (KeyboardInterrupt, typer.Abort):

@@ -15,8 +15,8 @@ __all__ = ["BackendName", "Changes", "Dtype", "ExactInputs", "Intersection", "Sc
 Scene = Annotated[str, typer.Argument(help="A built-in scene's name (see 'raytrace scenes') or a TOML file.")]
 Size = Annotated[str, typer.Option(help="WIDTHxHEIGHT in pixels.")]
 Changes = Annotated[list[str], typer.Option("--set", help="key=value, such as sun.direction=[0,1,0]; repeatable.")]
-BackendName = Annotated[str, typer.Option(help="jax or numpy.")]
-Dtype = Annotated[str, typer.Option(help="float32 or float64; with numpy also longdouble.")]
+BackendName = Annotated[str, typer.Option(help="jax, numpy, opengl or webgl.")]
+Dtype = Annotated[str, typer.Option(help="float32; jax, numpy: float64; numpy: longdouble.")]
 Intersection = Annotated[str | None, typer.Option(help="textbook or robust; default: robust in float32 only.")]
 ExactInputs = Annotated[bool, typer.Option("--exact-inputs", help="Do not round the scene's numbers to float32.")]
 

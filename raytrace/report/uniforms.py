@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
+from raytrace.glsl import values_of
 from raytrace.scene.data import OrthographicCamera, Plain, Scene
-from raytrace.shader.glsl import Mat4, Vec3
 from raytrace.uniforms import uniforms_of
 
 __all__ = ["uniforms_report"]
@@ -19,28 +19,28 @@ def uniforms_report(scene: Scene, size: tuple[int, int]) -> dict[str, Any]:
     matrices lists of 16 in GLSL's order, column by column.
     """
     uniforms = uniforms_of(scene, size[0] / size[1])
-    camera, sun, sky, film = uniforms.camera, uniforms.sun, uniforms.sky, uniforms.film
-    return {
-        "camPos": _vector(camera.view_to_world.w.xyz),
-        "ndcToView": _matrix(camera.ndc_to_view),
-        "viewToWorld": _matrix(camera.view_to_world),
-        "sunColor": _vector(sun.color),
-        "sunDirection": _vector(sun.direction),
-        "skyColorLow": _vector(sky.low),
-        "skyColorHigh": _vector(sky.high),
-        "voidColor": _vector(sky.void),
-        "spheres": _structs(uniforms.spheres),
-        "planes": [
-            struct | {"castsShadow": plane.casts_shadow, "plain": isinstance(plane.pattern, Plain)}
-            for struct, plane in zip(_structs(uniforms.planes), scene.planes, strict=True)
-        ],
+    values = values_of(uniforms)
+    planes = [
+        struct | {"castsShadow": plane.casts_shadow, "plain": isinstance(plane.pattern, Plain)}
+        for struct, plane in zip(values["planes"], scene.planes, strict=True)
+    ]
+    film = {"exposureFactor": None, "whiteBalance": None}
+    del values["shadowPlanes"]
+    return {name: _report(value) for name, value in (film | values | {"planes": planes}).items()} | {
         "orthographic": isinstance(scene.camera, OrthographicCamera),
         "lighting": scene.lighting,
-        "exposureFactor": None if film.exposure is None else _number(film.exposure),
-        "whiteBalance": None if film.white_balance is None else [_vector(column) for column in film.white_balance],
         "toneMapper": scene.film.tone_mapper,
         "transfer": scene.film.transfer,
     }
+
+
+def _report(value: Any) -> Any:
+    """The numbers of an array, a list or a dict; anything else as it is."""
+    if isinstance(value, dict):
+        return {name: _report(member) for name, member in value.items()}
+    if isinstance(value, list) or np.ndim(value):
+        return [_report(member) for member in value]
+    return _number(value) if isinstance(value, np.ndarray | np.floating) else value
 
 
 def _number(x: Any) -> dict[str, Any]:
@@ -51,28 +51,3 @@ def _number(x: Any) -> dict[str, Any]:
         "hex": float(rounded).hex(),
         "bits": f"0x{rounded.view(np.uint32):08x}",
     }
-
-
-def _vector(vector: tuple) -> list:
-    return [_number(component) for component in vector]
-
-
-def _matrix(matrix: Mat4) -> list:
-    return [_number(component) for column in matrix for component in column]
-
-
-_STRUCT_NAMES = {"tile_size": "tileSize", "even": "evenColor", "odd": "oddColor", "line": "lineColor"}
-
-
-def _structs(structs: Any) -> list[dict[str, Any]]:
-    """One dict a struct, of a struct of arrays."""
-    if structs is None:
-        return []
-
-    def item(array: Any, i: int) -> Any:
-        return _vector(Vec3(*(component[i] for component in array))) if isinstance(array, Vec3) else _number(array[i])
-
-    return [
-        {_STRUCT_NAMES.get(name, name): item(array, i) for name, array in structs._asdict().items()}
-        for i in range(len(structs[0].x))
-    ]

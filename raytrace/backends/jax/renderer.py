@@ -109,6 +109,10 @@ class Renderer:
         with self._outside():
             self.uniforms = jax.tree.map(partial(_given, dtype=job.dtype, exact=job.exact_inputs), uniforms)
 
+    def about(self) -> dict[str, str]:
+        device = jax.config.jax_default_device or jax.devices()[0]
+        return {"renderer": f"JAX {jax.__version__} on {getattr(device, 'device_kind', device)}"}
+
     def compile(self, count: int) -> None:
         """Compiles the program for `count` rows at a time, which `draw` does otherwise."""
         if not self.traced:

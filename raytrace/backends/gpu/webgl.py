@@ -1,0 +1,139 @@
+"""WebGL2 in a browser: Chromium, headless, by Playwright; SwiftShader where there is no GPU."""
+
+import base64
+import re
+import shutil
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from raytrace.backends.gpu.drawing import ActiveUniform, Drawing, ShaderProgram, ShaderRejected, Unavailable
+
+__all__ = ["WebGL", "chromium"]
+
+#: The names that Chromium's command has.
+_COMMANDS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+_FLAGS = (
+    "--no-sandbox",  # Chromium refuses to run as root with it
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+)
+#: Pixels of one reading: the answer is a text, and a browser's texts have limits.
+_READING = 1 << 22
+
+
+def chromium(playwright: Any) -> Any:
+    """The browser, started by a running Playwright.
+
+    Raises:
+        Unavailable: Chromium is not installed.
+    """
+    command = next(filter(None, map(shutil.which, _COMMANDS)), None)
+    if command is None:
+        raise Unavailable("needs Chromium: apt-get install chromium")
+    return playwright.chromium.launch(executable_path=command, args=list(_FLAGS))
+
+
+class WebGL:
+    """A page in a browser, with a WebGL2 context and the programs compiled on it."""
+
+    def __init__(self) -> None:
+        try:
+            from playwright.sync_api import sync_playwright
+        except ImportError:
+            raise Unavailable("needs Playwright: pip install 'raytrace[gpu-backends]'") from None
+        self._playwright = sync_playwright().start()
+        self._browser = chromium(self._playwright)
+        self._page = self._browser.new_page()
+        self._page.set_default_timeout(0)
+        script = resources.files("raytrace.backends.gpu") / "webgl.js"
+        self._page.add_script_tag(content=script.read_text(encoding="utf-8"))
+        self._ask("start")
+
+    def about(self) -> str:
+        """The real renderer: its name, the version of WebGL, the browser's."""
+        return f"{self._ask('about')}; Chromium {self._browser.version}"
+
+    def active_uniforms(self, program: ShaderProgram) -> list[ActiveUniform]:
+        """The uniforms that the program uses."""
+        return [
+            ActiveUniform(re.sub(r"\[0\]$", "", name), _type(constant), length)
+            for name, constant, length in self._ask("activeUniforms", _program(program))
+        ]
+
+    def draw(self, drawing: Drawing, out: np.ndarray) -> None:
+        """Draws into `out`, an array of `drawing.shape`."""
+        request = {
+            "program": _program(drawing.program),
+            "width": drawing.width,
+            "height": drawing.height,
+            "uniforms": _uniforms(drawing.uniforms),
+            "textures": {name: _texture(texels) for name, texels in drawing.textures.items()},
+            "passes": [_uniforms(changed) for changed in drawing.passes],
+        }
+        x, y, *size = drawing.viewport
+        rows = max(1, _READING // drawing.width)
+        for bottom in range(0, drawing.count, rows):
+            band = out[:, bottom : bottom + rows]
+            part = {"count": band.shape[1], "viewport": [x, y - bottom, *size]}
+            for image, text in zip(band, self._ask("draw", request | part)["images"], strict=True):
+                image[...] = np.frombuffer(base64.b64decode(text), np.float32).reshape(image.shape)
+
+    def close(self) -> None:
+        """Ends the browser."""
+        self._browser.close()
+        self._playwright.stop()
+
+    def _ask(self, method: str, argument: Any = None) -> Any:
+        """The page's answer.
+
+        Raises:
+            ShaderRejected: a shader does not compile.
+            Unavailable: the browser cannot do this.
+            RuntimeError: the context was lost, as when the driver crashed.
+        """
+        answer = self._page.evaluate("([method, argument]) => answer(method, argument)", [method, argument])["result"]
+        if isinstance(answer, dict):
+            if "rejected" in answer:
+                raise ShaderRejected(answer["rejected"])
+            if "unavailable" in answer:
+                raise Unavailable(answer["unavailable"])
+            if "lost" in answer:
+                raise RuntimeError("the context was lost")
+        return answer
+
+
+def _program(program: ShaderProgram) -> dict[str, str]:
+    return {"vertex": program.vertex, "fragment": program.fragment}
+
+
+def _type(constant: str) -> str:
+    """``vec3`` for FLOAT_VEC3."""
+    if constant == "SAMPLER_2D":
+        return "sampler2D"
+    if constant == "UNSIGNED_INT":
+        return "uint"
+    if "_" not in constant:
+        return constant.lower()
+    scalar, kind = constant.lower().split("_", 1)
+    return {"float": "", "int": "i", "bool": "b"}.get(scalar, "") + kind
+
+
+def _uniforms(uniforms: dict[str, np.ndarray]) -> dict[str, dict]:
+    """Each as its type and its numbers."""
+    return {name: {"kind": _kind(value), "values": np.ravel(value).tolist()} for name, value in uniforms.items()}
+
+
+def _kind(value: np.ndarray) -> str:
+    value = np.asarray(value)
+    if value.size in (9, 16):
+        return f"mat{int(value.size**0.5)}"
+    scalar, prefix = ("float", "") if value.dtype.kind == "f" else ("int", "i")
+    return scalar if value.size == 1 else f"{prefix}vec{value.size}"
+
+
+def _texture(texels: np.ndarray) -> dict[str, Any]:
+    height, width, _ = texels.shape
+    return {"width": width, "height": height, "texels": base64.b64encode(np.float32(texels).tobytes()).decode()}

@@ -1,0 +1,60 @@
+"""The process that an engine lives in: ``python -m raytrace.backends.gpu.worker ENGINE``.
+
+It reads requests, pickled (method, arguments), from standard input, and answers on standard output with
+(True, result) or (False, exception), until the input ends. An image is written to a file that the asker maps.
+"""
+
+import os
+import pickle
+import signal
+import sys
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from raytrace.backends.gpu.drawing import ShaderRejected, Unavailable
+
+__all__ = ["main"]
+
+#: Where the engines' classes are.
+ENGINES = {"opengl": ("raytrace.backends.gpu.opengl", "OpenGL"), "webgl": ("raytrace.backends.gpu.webgl", "WebGL")}
+
+
+def main(name: str) -> None:
+    """Serves the engine of that name."""
+    # Ctrl-C is for the process that asks, which ends this one.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Whatever a driver prints must not come between the answers.
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    engine = None
+    while True:
+        try:
+            method, arguments = pickle.load(sys.stdin.buffer)
+        except EOFError:
+            break
+        try:
+            if engine is None:
+                module, kind = ENGINES[name]
+                engine = getattr(import_module(module), kind)()
+            answer = True, _answer(engine, method, arguments)
+        except (ShaderRejected, Unavailable) as refusal:
+            answer = False, refusal
+        pickle.dump(answer, answers)
+        answers.flush()
+    if engine is not None:
+        engine.close()
+
+
+def _answer(engine: Any, method: str, arguments: tuple) -> Any:
+    if method != "draw":
+        return getattr(engine, method)(*arguments)
+    drawing, path = arguments
+    image = np.memmap(path, np.float32, "r+", shape=drawing.shape)
+    engine.draw(drawing, image)
+    return None
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
