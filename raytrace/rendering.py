@@ -1,6 +1,6 @@
 """From a scene to an image: `render`, and `Rendering` for images that are written while they are rendered."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from raytrace.backends import BACKENDS, renderer
-from raytrace.backends.job import Job
+from raytrace.backends.job import ForeignShader, Job
 from raytrace.errors import InputError, did_you_mean
+from raytrace.glsl.source import read_shader
 from raytrace.scene.check import check_scene, check_structure, is_traced
 from raytrace.scene.data import Scene, concrete
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene, scene_hash, scene_toml
@@ -48,9 +49,18 @@ class Rendering:
         output: str = "display",
         intersection: str | None = None,
         exact_inputs: bool = False,
+        shader: str | Path | None = None,
+        uniforms: Mapping[str, Any] | None = None,
+        time_limit: float = ForeignShader.time_limit,
         engine: Engine | None = None,
     ):
         _check(size, backend, dtype, samples, output, intersection)
+        foreign = None
+        if shader is not None:
+            _check_shader(backend, samples, output, time_limit)
+            foreign = ForeignShader(read_shader(shader), tuple((uniforms or {}).items()), float(time_limit))
+        elif uniforms:
+            raise InputError("uniforms: are those of a shader, and none is given")
         if not isinstance(scene, Scene):
             scene = load_scene(scene)  # which checks it
         elif is_traced(scene):
@@ -66,7 +76,7 @@ class Rendering:
         self.scene, self.backend, self.dtype, self.output = scene, backend, dtype, output
         self.intersection, self.exact_inputs = intersection, exact_inputs
         self.frame = Frame(*map(int, size), samples=int(samples))
-        job = Job(program_of(scene, intersection), self.frame, OUTPUTS[output], dtype, exact_inputs, engine)
+        job = Job(program_of(scene, intersection), self.frame, OUTPUTS[output], dtype, exact_inputs, engine, foreign)
         self.renderer = renderer(backend, uniforms_of(scene, self.frame.width / self.frame.height), job)
 
     def whole(self) -> Any:
@@ -133,6 +143,9 @@ def render(
     output: str = "display",
     intersection: str | None = None,
     exact_inputs: bool = False,
+    shader: str | Path | None = None,
+    uniforms: Mapping[str, Any] | None = None,
+    time_limit: float = ForeignShader.time_limit,
 ) -> Any:
     """The image of a scene, of shape (height, width, 3), row 0 at the top.
 
@@ -148,13 +161,18 @@ def render(
         and textbook in GLSL.
     exact_inputs: carry the scene's numbers in `dtype` as they are, instead of rounding each once to float32, which
         is what a GPU is given.
+    shader: a file with somebody's own fragment shader, for "opengl" and "webgl", to run in the place of ours. The
+        scene's uniforms are bound by their names; `output` says what it gives, display or linear values.
+    uniforms: what a uniform of that shader stands for where its name does not say it: a key of
+        `raytrace.glsl.meanings.MEANINGS`, a number, or numbers.
+    time_limit: seconds that the shader may take.
 
     JAX gives JAX arrays, but NumPy's for float64 while x64 mode is off; all others give NumPy's.
 
     Raises:
         InputError: an argument or a value of the scene is wrong; float64 is asked of a JAX trace without x64; the
-            backend's engine is not installed.
-        EngineFailure: a graphics engine crashed.
+            backend's engine is not installed; the shader does not compile, or one of its uniforms is not bound.
+        EngineFailure: a graphics engine crashed; the shader did not end in time.
     """
     return Rendering(
         scene,
@@ -165,6 +183,9 @@ def render(
         output=output,
         intersection=intersection,
         exact_inputs=exact_inputs,
+        shader=shader,
+        uniforms=uniforms,
+        time_limit=time_limit,
     ).whole()
 
 
@@ -190,6 +211,18 @@ def _check(size: Any, backend: str, dtype: str, samples: int, output: str, inter
         raise InputError(f"samples: must be a whole number from 1 to {MOST_SAMPLES}, found {samples!r}")
     if samples > 1 and output == "steps":
         raise InputError(f"samples: output 'steps' is of one sample a pixel, found {samples}")
+
+
+def _check_shader(backend: str, samples: int, output: str, time_limit: float) -> None:
+    if not BACKENDS[backend].runs_shaders:
+        able = [name for name, known in BACKENDS.items() if known.runs_shaders]
+        raise InputError(f"shader: backend {backend} runs no shader; these do: {', '.join(able)}")
+    if samples > 1:
+        raise InputError(f"samples: a shader is run once a pixel, found {samples}")
+    if output == "steps":
+        raise InputError("output: a shader gives one image, 'display' or 'linear' values, found 'steps'")
+    if not time_limit > 0:
+        raise InputError(f"time_limit: must be greater than 0 seconds, found {time_limit}")
 
 
 def _choice(what: str, found: Any, allowed: Any) -> None:

@@ -13,18 +13,20 @@ class Backend(NamedTuple):
     """Where a backend is, which arithmetics it has, and its formula for the sphere unless another is asked for.
 
     intersection: ``None`` for robust in float32 and textbook otherwise.
+    runs_shaders: whether it can run somebody's own shader.
     """
 
     module: str
     dtypes: tuple[str, ...]
     intersection: str | None = None
+    runs_shaders: bool = False
 
 
 BACKENDS = {
     "jax": Backend("raytrace.backends.jax", ("float32", "float64")),
     "numpy": Backend("raytrace.backends.numpy", ("float32", "float64", "longdouble")),
-    "opengl": Backend("raytrace.backends.opengl", ("float32",), intersection="textbook"),
-    "webgl": Backend("raytrace.backends.webgl", ("float32",), intersection="textbook"),
+    "opengl": Backend("raytrace.backends.opengl", ("float32",), "textbook", runs_shaders=True),
+    "webgl": Backend("raytrace.backends.webgl", ("float32",), "textbook", runs_shaders=True),
 }
 
 
@@ -50,4 +52,8 @@ class Renderer(Protocol):
 
 def renderer(backend: str, uniforms: Uniforms, job: Job) -> Renderer:
     """The renderer of the backend of that name."""
+    if job.shader is not None:
+        from raytrace.backends.gpu.foreign import ForeignRenderer
+
+        return ForeignRenderer(backend, uniforms, job)
     return import_module(BACKENDS[backend].module).Renderer(uniforms, job)

@@ -1,12 +1,27 @@
 """What a backend is asked for, but for the scene's numbers."""
 
 from dataclasses import dataclass
+from typing import Any
 
+from raytrace.glsl.source import ShaderSource
 from raytrace.shader.control import Engine
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import Program
 
-__all__ = ["Job"]
+__all__ = ["ForeignShader", "Job"]
+
+
+@dataclass(frozen=True)
+class ForeignShader:
+    """Somebody's own fragment shader.
+
+    uniforms: pairs of a uniform's name and what it stands for (`raytrace.glsl.matching.matched`).
+    time_limit: seconds that it may take.
+    """
+
+    source: ShaderSource
+    uniforms: tuple[tuple[str, Any], ...] = ()
+    time_limit: float = 60.0
 
 
 @dataclass(frozen=True)
@@ -17,6 +32,7 @@ class Job:
     dtype: the arithmetic.
     exact_inputs: carry the scene's numbers as they are, instead of rounding each once to float32 before.
     engine: instead of the backend's own.
+    shader: instead of the scene's program, on the backends that can run one.
     """
 
     program: Program
@@ -25,3 +41,4 @@ class Job:
     dtype: str
     exact_inputs: bool = False
     engine: Engine | None = None
+    shader: ForeignShader | None = None

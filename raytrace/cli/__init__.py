@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from raytrace.cli.bench import bench
+from raytrace.cli.export import export
 from raytrace.cli.render import pixel, render
 from raytrace.cli.scenes import list_scenes, show
 from raytrace.errors import EngineFailure, InputError
@@ -26,6 +27,7 @@ app.command()(render)
 app.command(name="scenes")(list_scenes)
 app.command()(show)
 app.command()(pixel)
+app.command()(export)
 app.command()(bench)
 
 

@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -10,7 +11,20 @@ import typer
 from raytrace.errors import InputError
 from raytrace.rendering import check_size
 
-__all__ = ["BackendName", "Changes", "Dtype", "ExactInputs", "Intersection", "Scene", "Size", "progress", "size_of"]
+__all__ = [
+    "BackendName",
+    "Changes",
+    "Dtype",
+    "ExactInputs",
+    "Intersection",
+    "Scene",
+    "Shader",
+    "ShaderUniforms",
+    "Size",
+    "TimeLimit",
+    "progress",
+    "size_of",
+]
 
 Scene = Annotated[str, typer.Argument(help="A built-in scene's name (see 'raytrace scenes') or a TOML file.")]
 Size = Annotated[str, typer.Option(help="WIDTHxHEIGHT in pixels.")]
@@ -18,6 +32,13 @@ Changes = Annotated[list[str], typer.Option("--set", help="key=value, such as su
 BackendName = Annotated[str, typer.Option(help="jax, numpy, opengl or webgl.")]
 Dtype = Annotated[str, typer.Option(help="float32; jax, numpy: float64; numpy: longdouble.")]
 Intersection = Annotated[str | None, typer.Option(help="textbook or robust; default: robust in float32 only.")]
+Shader = Annotated[
+    Path | None, typer.Option(help="Your own fragment shader, to run instead; with --backend opengl or webgl.")
+]
+ShaderUniforms = Annotated[
+    list[str], typer.Option("--uniform", help="What a uniform stands for, name=camera_position; repeatable.")
+]
+TimeLimit = Annotated[float, typer.Option(help="Seconds that your own shader may take.")]
 ExactInputs = Annotated[bool, typer.Option("--exact-inputs", help="Do not round the scene's numbers to float32.")]
 
 

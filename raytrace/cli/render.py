@@ -6,7 +6,21 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import BackendName, Changes, Dtype, ExactInputs, Intersection, Scene, Size, progress, size_of
+from raytrace.cli.options import (
+    BackendName,
+    Changes,
+    Dtype,
+    ExactInputs,
+    Intersection,
+    Scene,
+    Shader,
+    ShaderUniforms,
+    Size,
+    TimeLimit,
+    progress,
+    size_of,
+)
+from raytrace.glsl.matching import parse_uniforms
 from raytrace.image import file_format, image_file
 from raytrace.rendering import Rendering
 from raytrace.report import pixel_report
@@ -32,6 +46,9 @@ def render(
     changes: Changes = [],  # noqa: B006 (typer's way)
     intersection: Intersection = None,
     exact_inputs: ExactInputs = False,
+    shader: Shader = None,
+    uniforms: ShaderUniforms = [],  # noqa: B006
+    time_limit: TimeLimit = 60.0,
 ) -> None:
     """Render a scene to an image file."""
     out = out or Path(f"{Path(scene).stem}.png")
@@ -44,6 +61,9 @@ def render(
         output=output or file_format(out).output,
         intersection=intersection,
         exact_inputs=exact_inputs,
+        shader=shader,
+        uniforms=parse_uniforms(uniforms),
+        time_limit=time_limit,
     )
     width, height, _ = rendering.frame
     seconds = 0.0

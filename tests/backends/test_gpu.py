@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 from dataclasses import replace
 
 import numpy as np
@@ -158,7 +159,7 @@ def test_an_endless_shader_is_ended(engine):
 def test_a_crash_is_told(engine):
     process = EngineProcess(engine)
     process.about()
-    os.kill(process._process.pid, signal.SIGSEGV)
+    threading.Timer(1, os.kill, (process._process.pid, signal.SIGSEGV)).start()
     with pytest.raises(raytrace.EngineFailure, match="the engine crashed"):
         process.draw(endless(), limit=60.0)
 

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import threading
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -111,15 +112,12 @@ class EngineProcess:
         return self._process
 
 
-_processes: dict[str, EngineProcess] = {}
-
-
-def engine_process(name: str) -> EngineProcess:
-    """The process of the engine of that name, one for all who ask."""
-    if name not in _processes:
-        _processes[name] = EngineProcess(name)
-        atexit.register(_processes[name].stop)
-    return _processes[name]
+@cache
+def engine_process(name: str, foreign: bool = False) -> EngineProcess:
+    """The process of the engine of that name, one for all who ask; `foreign` gives one apart, for foreign shaders."""
+    process = EngineProcess(name)
+    atexit.register(process.stop)
+    return process
 
 
 def _failure(name: str, late: bool, limit: float, code: int) -> str:

@@ -40,30 +40,36 @@ function compiled({vertex, fragment}) {
     return programs.get(key);
 }
 
-const TYPES = ["FLOAT", "FLOAT_VEC2", "FLOAT_VEC3", "FLOAT_VEC4", "INT", "INT_VEC2", "INT_VEC3", "INT_VEC4",
-    "UNSIGNED_INT", "BOOL", "BOOL_VEC2", "BOOL_VEC3", "BOOL_VEC4", "FLOAT_MAT2", "FLOAT_MAT3", "FLOAT_MAT4",
-    "SAMPLER_2D"];
+const SETTERS = {
+    FLOAT: "uniform1fv", FLOAT_VEC2: "uniform2fv", FLOAT_VEC3: "uniform3fv", FLOAT_VEC4: "uniform4fv",
+    INT: "uniform1iv", INT_VEC2: "uniform2iv", INT_VEC3: "uniform3iv", INT_VEC4: "uniform4iv",
+    BOOL: "uniform1iv", BOOL_VEC2: "uniform2iv", BOOL_VEC3: "uniform3iv", BOOL_VEC4: "uniform4iv",
+    UNSIGNED_INT: "uniform1uiv", SAMPLER_2D: "uniform1iv",
+    FLOAT_MAT2: "uniformMatrix2fv", FLOAT_MAT3: "uniformMatrix3fv", FLOAT_MAT4: "uniformMatrix4fv",
+};
 
-function activeUniforms(program) {
-    const made = compiled(program);
-    const names = new Map(TYPES.map(name => [gl[name], name]));
+// Name, type and length of each uniform that the program uses; of an array the name without [0].
+function uniformsOf(program) {
+    const names = new Map(Object.keys(SETTERS).map(name => [gl[name], name]));
     const found = [];
-    for (let i = 0; i < gl.getProgramParameter(made, gl.ACTIVE_UNIFORMS); i++) {
-        const {name, type, size} = gl.getActiveUniform(made, i);
-        found.push([name, names.get(type) ?? `type 0x${type.toString(16)}`, size]);
+    for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
+        const {name, type, size} = gl.getActiveUniform(program, i);
+        found.push([name.replace(/\[0\]$/, ""), names.get(type) ?? `type 0x${type.toString(16)}`, size]);
     }
     return found;
 }
 
-function set(program, name, {kind, values}) {
-    const place = gl.getUniformLocation(program, name);
-    if (place === null) return;
-    const setters = {
-        float: "uniform1fv", vec2: "uniform2fv", vec3: "uniform3fv", vec4: "uniform4fv",
-        int: "uniform1iv", ivec2: "uniform2iv", ivec3: "uniform3iv", ivec4: "uniform4iv",
-    };
-    if (kind.startsWith("mat")) gl[`uniformMatrix${kind[3]}fv`](place, false, values);
-    else gl[setters[kind]](place, values);
+function activeUniforms(program) {
+    return uniformsOf(compiled(program));
+}
+
+function setUniforms(program, values) {
+    for (const [name, type] of uniformsOf(program)) {
+        if (!(name in values)) continue;
+        const place = gl.getUniformLocation(program, name);
+        if (type.startsWith("FLOAT_MAT")) gl[SETTERS[type]](place, false, values[name]);
+        else gl[SETTERS[type]](place, values[name]);
+    }
 }
 
 function texture(unit, {width, height, texels}) {
@@ -94,10 +100,10 @@ async function draw({program, width, height, count, viewport, uniforms, textures
         gl.uniform1i(gl.getUniformLocation(made, name), unit);
         return texture(unit, texels);
     });
-    for (const [name, value] of Object.entries(uniforms)) set(made, name, value);
+    setUniforms(made, uniforms);
     const images = [];
     for (const changed of passes) {
-        for (const [name, value] of Object.entries(changed)) set(made, name, value);
+        setUniforms(made, changed);
         gl.viewport(...viewport);
         gl.clear(gl.COLOR_BUFFER_BIT);
         gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);

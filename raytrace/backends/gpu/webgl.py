@@ -1,7 +1,6 @@
 """WebGL2 in a browser: Chromium, headless, by Playwright; SwiftShader where there is no GPU."""
 
 import base64
-import re
 import shutil
 from importlib import resources
 from typing import Any
@@ -59,7 +58,7 @@ class WebGL:
     def active_uniforms(self, program: ShaderProgram) -> list[ActiveUniform]:
         """The uniforms that the program uses."""
         return [
-            ActiveUniform(re.sub(r"\[0\]$", "", name), _type(constant), length)
+            ActiveUniform(name, _type(constant), length)
             for name, constant, length in self._ask("activeUniforms", _program(program))
         ]
 
@@ -121,17 +120,8 @@ def _type(constant: str) -> str:
     return {"float": "", "int": "i", "bool": "b"}.get(scalar, "") + kind
 
 
-def _uniforms(uniforms: dict[str, np.ndarray]) -> dict[str, dict]:
-    """Each as its type and its numbers."""
-    return {name: {"kind": _kind(value), "values": np.ravel(value).tolist()} for name, value in uniforms.items()}
-
-
-def _kind(value: np.ndarray) -> str:
-    value = np.asarray(value)
-    if value.size in (9, 16):
-        return f"mat{int(value.size**0.5)}"
-    scalar, prefix = ("float", "") if value.dtype.kind == "f" else ("int", "i")
-    return scalar if value.size == 1 else f"{prefix}vec{value.size}"
+def _uniforms(uniforms: dict[str, np.ndarray]) -> dict[str, list]:
+    return {name: np.ravel(value).tolist() for name, value in uniforms.items()}
 
 
 def _texture(texels: np.ndarray) -> dict[str, Any]:

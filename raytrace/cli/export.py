@@ -1,0 +1,43 @@
+"""The command `export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from raytrace.cli.options import Changes, Scene, Size, size_of
+from raytrace.errors import InputError, did_you_mean
+from raytrace.export import EXPORTS
+from raytrace.files import whole_file
+from raytrace.scene import load_scene
+from raytrace.scene.toml import DEFAULT_SCENE
+
+__all__ = ["export"]
+
+_ENDINGS = {"glsl": ".frag", "shaderlabweb": ".frag", "html": ".html"}
+
+
+def export(
+    scene: Scene = DEFAULT_SCENE,
+    to: Annotated[str, typer.Option(help="glsl, shaderlabweb or html.")] = "glsl",
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="The file; default: the scene's name, .frag or .html.")
+    ] = None,
+    size: Size = "1920x1080",
+    changes: Changes = [],  # noqa: B006 (typer's way)
+    intersection: Annotated[str, typer.Option(help="textbook or robust.")] = "textbook",
+    data: Annotated[str, typer.Option(help="The scene's numbers as constants or uniforms (glsl).")] = "constants",
+) -> None:
+    """Write a scene as GLSL, as GLSL for ShaderLabWeb, or as a web page."""
+    for what, found, known in (
+        ("--to", to, EXPORTS),
+        ("--intersection", intersection, ("textbook", "robust")),
+        ("--data", data, ("constants", "uniforms")),
+    ):
+        if found not in known:
+            raise InputError(f"{what}: unknown {found!r}; {did_you_mean(found, known, 'there is')}")
+    out = out or Path(f"{Path(scene).stem}{_ENDINGS[to]}")
+    text = EXPORTS[to](load_scene(scene, changes), size_of(size), intersection=intersection, data=data)
+    with whole_file(out) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    print(f"{out}: {scene} as {to}")
