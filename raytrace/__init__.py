@@ -1,5 +1,6 @@
 """raytrace: the vectorized reference implementation of a real-time graphics course's ray tracer."""
 
+from raytrace.compare import Comparison, compare
 from raytrace.errors import EngineFailure, InputError
 from raytrace.image import read_image, write_image
 from raytrace.rendering import render
@@ -25,6 +26,7 @@ from raytrace.scene import (
 
 __all__ = [
     "Checkerboard",
+    "Comparison",
     "EngineFailure",
     "Film",
     "InputError",
@@ -38,6 +40,7 @@ __all__ = [
     "Spheres",
     "Sun",
     "check_scene",
+    "compare",
     "load_scene",
     "read_image",
     "render",

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from raytrace.rendering import Rendering, render
-from raytrace.scene.toml import DEFAULT_SCENE, scenes
+from raytrace.scene.toml import DEFAULT_SCENE, figures
 
 __all__ = ["Timing", "plain_jit_timings", "scene_timings"]
 
@@ -28,8 +28,8 @@ _BACKENDS = (("numpy", "float64"), ("jax", "float64"), ("jax", "float32"))
 
 
 def scene_timings(size: tuple[int, int], runs: int) -> Iterator[Timing]:
-    """`raytrace.render` of each built-in scene on each backend, compilation apart."""
-    for scene in scenes():
+    """`raytrace.render` of each figure's scene on each backend, compilation apart."""
+    for scene in figures():
         frames = {
             f"{backend} {dtype}": lambda backend=backend, dtype=dtype, scene=scene: render(
                 scene, size, backend=backend, dtype=dtype

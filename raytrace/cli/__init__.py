@@ -9,7 +9,9 @@ from typing import Annotated
 import typer
 
 from raytrace.cli.bench import bench
+from raytrace.cli.compare import compare
 from raytrace.cli.export import export
+from raytrace.cli.golden import check, golden
 from raytrace.cli.render import pixel, render
 from raytrace.cli.scenes import list_scenes, show
 from raytrace.errors import EngineFailure, InputError
@@ -29,6 +31,9 @@ app.command()(show)
 app.command()(pixel)
 app.command()(export)
 app.command()(bench)
+app.command()(compare)
+app.command()(golden)
+app.command()(check)
 
 
 @app.callback(invoke_without_command=True)

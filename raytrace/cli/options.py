@@ -53,7 +53,7 @@ def size_of(text: str) -> tuple[int, int]:
 
 
 @contextmanager
-def progress(rows: int) -> Iterator:
+def progress(total: int, what: str = "rendering") -> Iterator:
     """A progress bar on a terminal, nothing anywhere else; gives the function that advances it."""
     if sys.stderr is None or not sys.stderr.isatty():
         yield lambda done: None
@@ -62,5 +62,5 @@ def progress(rows: int) -> Iterator:
     from rich.progress import Progress
 
     with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("rendering", total=rows)
+        task = progress.add_task(what, total=total)
         yield lambda done: progress.advance(task, done)

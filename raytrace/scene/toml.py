@@ -16,7 +16,16 @@ from raytrace.scene.check import check_scene
 from raytrace.scene.data import Scene
 from raytrace.scene.document import document_of, scene_of
 
-__all__ = ["DEFAULT_SCENE", "load_scene", "save_scene", "scene_hash", "scene_toml", "scenes"]
+__all__ = [
+    "DEFAULT_SCENE",
+    "figures",
+    "load_scene",
+    "save_scene",
+    "scene_from_toml",
+    "scene_hash",
+    "scene_toml",
+    "scenes",
+]
 
 DEFAULT_SCENE = "checkerboard"
 
@@ -27,13 +36,18 @@ _NUMBERS = re.compile(r"\[\n((?:\s+[-+.\de]+,\n)+)\s*\]")
 
 
 def scenes() -> dict[str, str]:
-    """The built-in scenes: their names, in the order of the assignment's figures, and what each one shows."""
+    """The built-in scenes, the assignment's figures first: their names, and what each one shows."""
     comments = {
         file.name.removesuffix(".toml"): file.read_text(encoding="utf-8").splitlines()[0].lstrip("# ")
         for file in _BUILT_IN.iterdir()
         if file.name.endswith(".toml")
     }
     return dict(sorted(comments.items(), key=lambda item: (not item[1].startswith("Figure"), item[1])))
+
+
+def figures() -> list[str]:
+    """The names of those built-in scenes that are figures of the assignment."""
+    return [name for name, comment in scenes().items() if comment.startswith("Figure")]
 
 
 def load_scene(scene: str | Path, changes: Iterable[str] = ()) -> Scene:
@@ -44,15 +58,24 @@ def load_scene(scene: str | Path, changes: Iterable[str] = ()) -> Scene:
     Raises:
         InputError: there is no such scene, or its file, its TOML, or one of its values is wrong.
     """
-    where = str(scene)
+    return scene_from_toml(_text(str(scene)), str(scene), changes)
+
+
+def scene_from_toml(text: str, where: str, changes: Iterable[str] = ()) -> Scene:
+    """The scene that the text of a scene file describes; `where` it comes from is said in messages.
+
+    Raises:
+        InputError: its TOML or one of its values is wrong.
+    """
     try:
-        document = tomllib.loads(_text(where))
+        document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{where}: not TOML: {error}") from None
-    for text in changes:
-        change(document, text)
-        where = f"{scene} with {text}"
-    return scene_of(document, where)
+    changed = where
+    for setting in changes:
+        change(document, setting)
+        changed = f"{where} with {setting}"
+    return scene_of(document, changed)
 
 
 def _text(name: str) -> str:

@@ -11,10 +11,12 @@ import raytrace
 from raytrace.backends.job import Job
 from raytrace.backends.numpy import Renderer
 from raytrace.rendering import Rendering
+from raytrace.scene.toml import figures
 from raytrace.shader.control import Engine
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.uniforms import program_of, uniforms_of
+from tests.scenes import EVERY_SCENE, FIGURES_FIRST
 from tests.strategies import scenes
 
 SIZE = (96, 55)
@@ -32,7 +34,7 @@ def assert_same_bits(a, b):
         np.testing.assert_array_equal(a[name], b[name], err_msg=name)
 
 
-@pytest.mark.parametrize("name", list(raytrace.scenes()))
+@EVERY_SCENE
 @pytest.mark.parametrize("dtype", ["float32", "float64", "longdouble"])
 @pytest.mark.parametrize("intersection", ["textbook", "robust"])
 def test_skipping_changes_no_bit(name, dtype, intersection):
@@ -54,7 +56,7 @@ def test_without_the_steps_that_skip_shadows_the_image_is_the_same():
     np.testing.assert_array_equal(linear, raytrace.render("checkerboard", output="steps", **options)["linear"])
 
 
-@pytest.mark.parametrize("name", list(raytrace.scenes()))
+@FIGURES_FIRST
 def test_float64_is_longdouble_but_for_rounding(name):
     """At most 1e-11 apart, and no branch taken otherwise."""
     options = {"size": (480, 270), "backend": "numpy", "output": "steps"}
@@ -65,14 +67,14 @@ def test_float64_is_longdouble_but_for_rounding(name):
     assert wide["display"].dtype == np.longdouble
 
 
-@pytest.mark.parametrize("name", list(raytrace.scenes()))
-def test_the_formulas_agree_on_the_assignments_scenes(name):
-    """Textbook and robust, float64: 1e-12 in t."""
+@FIGURES_FIRST
+def test_the_formulas_agree(name):
+    """Textbook and robust, float64: 1e-12 in t on the figures; the others are larger worlds and look closer."""
     options = {"size": (480, 270), "backend": "numpy", "dtype": "float64", "output": "steps"}
     textbook, robust = (raytrace.render(name, intersection=formula, **options) for formula in ("textbook", "robust"))
     np.testing.assert_array_equal(textbook["index"], robust["index"])
     # At a silhouette t is ill-conditioned: its error is that of the root of a discriminant near 0.
-    np.testing.assert_allclose(textbook["t"], robust["t"], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(textbook["t"], robust["t"], rtol=0, atol=1e-12 if name in figures() else 1e-9)
 
 
 def test_bands_are_the_whole(monkeypatch):

@@ -14,6 +14,7 @@ from raytrace.shader.namespace import lift, namespace
 from raytrace.shader.pixel import Frame, pixels
 from raytrace.shader.tree import tree_map
 from raytrace.uniforms import program_of, uniforms_of
+from tests.scenes import EVERY_SCENE
 
 KEEP = tuple(COMPONENTS)
 FRAME = Frame(24, 13)
@@ -32,7 +33,6 @@ def expected(scene, intersection):
         return run(scene, lambda x: x, intersection)
 
 
-SCENES = pytest.mark.parametrize("name", list(raytrace.scenes()))
 FORMULAS = pytest.mark.parametrize("intersection", ["textbook", "robust"])
 
 
@@ -49,7 +49,7 @@ def polite(monkeypatch):
         monkeypatch.setattr(array, f"__{name}__", operator)
 
 
-@SCENES
+@EVERY_SCENE
 @FORMULAS
 @pytest.mark.usefixtures("polite")
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
@@ -162,7 +162,7 @@ class Counting:
         return function
 
 
-@SCENES
+@EVERY_SCENE
 @FORMULAS
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_runs_on_a_type_of_ones_own(name, intersection):

@@ -1,0 +1,87 @@
+"""The command `compare`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from raytrace.cli.options import Changes, Size, size_of
+from raytrace.compare import BOUNDS, NotFinite, failures, matrix, write_diff
+from raytrace.compare import compare as compare_images
+from raytrace.errors import InputError
+from raytrace.scene import load_scene
+from raytrace.scene.toml import DEFAULT_SCENE
+
+__all__ = ["compare"]
+
+_FAILED = 1
+
+_Image = Annotated[str | None, typer.Argument(help="An image file, backend:NAME, or backend:NAME:DTYPE.")]
+_Kind = Annotated[str | None, typer.Option(help="display or linear; default: what the file says, or its ending.")]
+_Least = Annotated[float | None, typer.Option(help="Exit with 1 unless it is at least so much.")]
+_Most = Annotated[float | None, typer.Option(help="Exit with 1 unless it is at most so much.")]
+
+
+def compare(
+    context: typer.Context,
+    a: _Image = None,
+    b: _Image = None,
+    scene: Annotated[
+        str | None, typer.Option(help="What is rendered, whose film develops linear light; default: the files' own.")
+    ] = None,
+    changes: Changes = [],  # noqa: B006 (typer's way)
+    size: Size = "1920x1080",
+    a_is: _Kind = None,
+    b_is: _Kind = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    diff: Annotated[Path | None, typer.Option(help="A PNG of A, B and where they differ.")] = None,
+    diagnose: Annotated[bool, typer.Option(help="Seek the usual mistakes.")] = True,
+    every_backend: Annotated[
+        bool, typer.Option("--matrix", help="Instead: every backend against every other on the scene.")
+    ] = False,
+    min_ssim: _Least = None,
+    min_worst_ssim: _Least = None,
+    min_psnr: _Least = None,
+    max_rmse: _Most = None,
+    max_difference: _Most = None,
+    max_share: _Most = None,
+    max_delta_e: _Most = None,
+    max_delta_e_999: _Most = None,
+    max_flip: _Most = None,
+    max_flip_999: _Most = None,
+) -> None:
+    """Compare two images: how far they are apart, where, and by which usual mistake."""
+    bounds = {name: context.params[name] for name in BOUNDS if context.params[name] is not None}
+    if every_backend:
+        if a is not None or diff is not None or bounds:
+            raise InputError("--matrix: takes a scene and a size, and no images, bounds or --diff")
+        table = matrix(load_scene(scene or DEFAULT_SCENE, changes), size_of(size))
+        print(table.to_json() if as_json else table)
+        return
+    if a is None or b is None:
+        raise InputError("compare: takes two images, A and B, or --matrix")
+    if changes and scene is None:
+        raise InputError("--set: changes a scene; give one (--scene)")
+    try:
+        comparison = compare_images(
+            a,
+            b,
+            scene=None if scene is None else load_scene(scene, changes),
+            size=size_of(size),
+            kinds=(a_is, b_is),
+            diagnose=diagnose,
+        )
+    except NotFinite as error:
+        _fail(str(error))
+    if diff is not None:
+        write_diff(diff, comparison)
+    print(comparison.to_json() if as_json else comparison)
+    failed = failures(comparison, bounds)
+    if failed:
+        _fail("; ".join(failed))
+
+
+def _fail(message: str) -> None:
+    """The check ran, and this is what failed."""
+    typer.echo(f"raytrace: {message}", err=True)
+    raise typer.Exit(_FAILED)

@@ -1,0 +1,81 @@
+"""Commands for golden images: `golden` and `check`."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from raytrace.cli.options import Shader, ShaderUniforms, Size, TimeLimit, progress, size_of
+from raytrace.errors import InputError
+from raytrace.glsl.matching import parse_uniforms
+from raytrace.golden import backend_source, folder_source, golden_folder, golden_scenes, write_goldens, write_report
+
+__all__ = ["check", "golden"]
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="The folder of the golden images.")]
+
+
+def golden(
+    folder: Folder,
+    chosen: Annotated[
+        str | None, typer.Option("--scenes", help="Names or TOML files, separated by commas; default: all built in.")
+    ] = None,
+    size: Size = "480x270",
+) -> None:
+    """Write golden images of scenes to a folder, all from NumPy float64."""
+    found = golden_scenes(None if chosen is None else [name for name in chosen.split(",") if name])
+    with progress(len(found), "golden images") as advance:
+        for _ in write_goldens(folder, found, size_of(size)):
+            advance(1)
+    print(f"{folder}: golden images of {len(found)} scenes, {size}")
+
+
+def check(
+    folder: Folder,
+    backend: Annotated[str | None, typer.Option(help="The backend to check: jax, numpy, opengl or webgl.")] = None,
+    dtype: Annotated[str, typer.Option(help="Of the backend.")] = "float32",
+    images: Annotated[
+        Path | None, typer.Option(help="A folder of another renderer's images to check: NAME.png, NAME.exr, ...")
+    ] = None,
+    shader: Shader = None,
+    uniforms: ShaderUniforms = [],  # noqa: B006 (typer's way)
+    time_limit: TimeLimit = 60.0,
+    min_ssim: Annotated[float | None, typer.Option(help="The mean SSIM, at least; default: 0.9999.")] = None,
+    max_share: Annotated[
+        float | None, typer.Option(help="The share of pixels over 1/255, at most; default: 0.001.")
+    ] = None,
+    report: Annotated[Path | None, typer.Option(help="The HTML report.")] = Path("report.html"),
+    as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
+) -> None:
+    """Check a backend, a shader, or another renderer's images against golden images; exit code 1 if any fails."""
+    if (images is None) == (backend is None):
+        raise InputError("check: give one of --backend and --images")
+    if images is not None and (shader is not None or uniforms):
+        raise InputError("check: --shader needs --backend opengl or webgl")
+    held = golden_folder(folder)
+    if images is not None:
+        what, source = str(images), folder_source(images)
+    else:
+        bound = parse_uniforms(uniforms)
+        source = backend_source(backend, dtype=dtype, shader=shader, uniforms=bound, time_limit=time_limit)
+        what = f"backend {backend} {dtype}" if shader is None else f"{shader} on {backend}"
+    results = []
+    with progress(len(held.goldens), "comparing") as advance:
+        bounds = {"min_ssim": min_ssim, "max_share": max_share}
+        for result in held.check(source, {name: limit for name, limit in bounds.items() if limit is not None}):
+            results.append(result)
+            if not as_json:
+                print(result, flush=True)
+            advance(1)
+    write_report(report, results, what, held.extra)
+    failed = sum(bool(result.failed) for result in results)
+    if as_json:
+        found = {"results": [result.to_dict() for result in results], "extra": list(held.extra)}
+        print(json.dumps(found, indent=1, allow_nan=False))
+    else:
+        for name in held.extra:
+            print(f"note  {folder / name}: extra: belongs to no golden image")
+        print(f"{len(results) - failed} of {len(results)} pass; {report}")
+    if failed:
+        raise typer.Exit(1)

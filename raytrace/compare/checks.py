@@ -1,0 +1,54 @@
+"""Bounds that make a comparison a check."""
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, NamedTuple
+
+from raytrace.errors import InputError, did_you_mean
+
+if TYPE_CHECKING:
+    from raytrace.compare.comparison import Comparison
+
+__all__ = ["BOUNDS", "Bound", "failures"]
+
+
+class Bound(NamedTuple):
+    """What is bounded, and whether from below; `value` is ``None`` where it is undefined."""
+
+    what: str
+    least: bool
+    value: Callable[["Comparison"], float | None]
+
+
+BOUNDS = {
+    "min_ssim": Bound("SSIM", True, lambda c: c.ssim and c.ssim.mean),
+    "min_worst_ssim": Bound("SSIM of the worst window", True, lambda c: c.ssim and c.ssim.worst),
+    "min_psnr": Bound("PSNR", True, lambda c: c.psnr),
+    "max_rmse": Bound("RMSE", False, lambda c: c.rmse),
+    "max_difference": Bound("largest difference", False, lambda c: c.largest.value),
+    "max_share": Bound("share of pixels over 1/255", False, lambda c: c.share),
+    "max_delta_e": Bound("CIEDE2000, mean", False, lambda c: c.delta_e.mean),
+    "max_delta_e_999": Bound("CIEDE2000, 99.9 %", False, lambda c: c.delta_e.p999),
+    "max_flip": Bound("FLIP, mean", False, lambda c: c.flip.mean),
+    "max_flip_999": Bound("FLIP, 99.9 %", False, lambda c: c.flip.p999),
+}
+
+
+def failures(comparison: "Comparison", bounds: Mapping[str, float | int]) -> list[str]:
+    """What `comparison` fails of `bounds`, which are by the names of `BOUNDS`; empty if nothing.
+
+    What is undefined or NaN fails every bound, and a bound that is NaN is failed by everything.
+
+    Raises:
+        InputError: there is no such bound.
+    """
+    failed = []
+    for name, limit in bounds.items():
+        if name not in BOUNDS:
+            raise InputError(f"unknown bound {name!r}; {did_you_mean(name, BOUNDS, 'there is')}")
+        what, least, value = BOUNDS[name]
+        found = value(comparison)
+        # Not `found < limit`: that is False of NaN.
+        if found is None or not (found >= limit if least else found <= limit):
+            shown = "undefined" if found is None else f"{found:.6g}"
+            failed.append(f"{what} is {shown}, must be at {'least' if least else 'most'} {limit:g}")
+    return failed

@@ -1,0 +1,176 @@
+"""The comparison of two images: `compare`, and what it gives."""
+
+import json
+from dataclasses import dataclass, field
+from html import escape
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from raytrace.compare import metrics
+from raytrace.compare.diagnosis import Diagnosis, diagnosis
+from raytrace.compare.inputs import comparable, of_8_bits
+from raytrace.compare.reference import Reference
+from raytrace.compare.regions import Region, regions
+from raytrace.scene import Scene
+
+__all__ = ["Comparison", "compare"]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """How far two images are apart, in display values. Prints as a table, in a notebook too.
+
+    names, size: of the images; (width, height).
+    ssim: ``None`` where it is undefined, of images under 11 x 11.
+    psnr: in decibels, infinite for equal images; rmse and largest: absolute differences.
+    over: the number of pixels that differ by more than 1/255 in any channel; share: of all pixels.
+    delta_e, flip: CIEDE2000 and FLIP.
+    searched: whether mistakes were sought: they are not where no pixel differs by more than 1/255.
+    diagnosis: the mistake that was found, if any; see `raytrace.compare.diagnosis`.
+    regions: the pixels over 1/255 by parts of the scene; empty where no scene is known or no pixel is over.
+    images: the display values, float64 (height, width, 3).
+    """
+
+    names: tuple[str, str]
+    size: tuple[int, int]
+    ssim: metrics.Similarity | None
+    psnr: float
+    rmse: float
+    largest: metrics.Spot
+    over: int
+    delta_e: metrics.Spread
+    flip: metrics.Flip
+    searched: bool
+    diagnosis: Diagnosis | None
+    regions: tuple[Region, ...]
+    images: tuple[np.ndarray, np.ndarray] = field(repr=False, compare=False)
+
+    @property
+    def share(self) -> float:
+        return self.over / (self.size[0] * self.size[1])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the images, as plain types that strict JSON holds: what is not finite is a text."""
+        return {
+            "a": self.names[0],
+            "b": self.names[1],
+            "size": list(self.size),
+            "ssim": _plain(self.ssim),
+            "psnr": _plain(self.psnr),
+            "rmse": self.rmse,
+            "largest": _plain(self.largest),
+            "over": self.over,
+            "share": self.share,
+            "delta_e": _plain(self.delta_e),
+            "flip": _plain(self.flip),
+            "searched": self.searched,
+            "diagnosis": _plain(self.diagnosis),
+            "regions": [_plain(region) for region in self.regions],
+        }
+
+    def to_json(self) -> str:
+        return json.dumps(self.to_dict(), indent=1, allow_nan=False)
+
+    def rows(self) -> list[tuple[str, str]]:
+        """The table: what, and how much."""
+        width, height = self.size
+        worst = self.largest
+        similarity = f"undefined: under {metrics.WINDOW}x{metrics.WINDOW}"
+        if self.ssim is not None:
+            mean, lowest, x, y = self.ssim
+            similarity = f"{mean:.6f}, worst window {lowest:.6f} at x {x}, y {y}"
+        return [
+            ("A", self.names[0]),
+            ("B", self.names[1]),
+            ("size", f"{width}x{height}{', 8 bits a channel' * of_8_bits(self.images[0])}"),
+            ("SSIM", similarity),
+            ("PSNR", f"{self.psnr:.2f} dB"),
+            ("RMSE", f"{self.rmse:.4g}"),
+            ("largest", f"{worst.value:.4g} at x {worst.x}, y {worst.y} in {worst.channel}"),
+            ("over 1/255", f"{self.over} of {width * height} pixels, {100 * self.share:.4g} %"),
+            ("CIEDE2000", f"mean {self.delta_e.mean:.4g}, 99.9th percentile {self.delta_e.p999:.4g}"),
+            (
+                "FLIP",
+                f"mean {self.flip.mean:.4g}, 99.9th percentile {self.flip.p999:.4g}, "
+                f"at {self.flip.pixels_per_degree:.2f} pixels per degree",
+            ),
+            *([("mistake", self._mistake())] if self.searched else []),
+            *((part.name, f"{part.over:>7} of {part.pixels:>7} pixels over 1/255") for part in self.regions),
+        ]
+
+    def _mistake(self) -> str:
+        if self.diagnosis is not None:
+            return str(self.diagnosis)
+        hint = "" if self.regions else "; with a scene, shifts of half a pixel can be told, too"
+        return f"none of the usual ones explains the difference{hint}"
+
+    def __str__(self) -> str:
+        rows = self.rows()
+        width = max(len(what) for what, _ in rows)
+        return "\n".join(f"{what:{width}}  {value}" for what, value in rows)
+
+    def _repr_html_(self) -> str:
+        rows = (f"<tr><th>{escape(what)}</th><td>{escape(value)}</td></tr>" for what, value in self.rows())
+        return f"<table>{''.join(rows)}</table>"
+
+
+def compare(
+    a: Any,
+    b: Any,
+    *,
+    scene: Scene | str | Path | None = None,
+    size: tuple[int, int] = (1920, 1080),
+    names: tuple[str, str] | None = None,
+    kinds: tuple[str | None, str | None] = (None, None),
+    diagnose: bool = True,
+) -> Comparison:
+    """How far `b` is from `a`, the reference.
+
+    Where one image is of 8 bits a channel and the other is not, the other is rounded to 8 bits first.
+
+    a, b: arrays (height, width, 3) of floats; paths of image files; or texts ``backend:NAME`` and
+        ``backend:NAME:DTYPE`` for `scene` rendered at `size`. Of a file of steps its display values are taken.
+    scene: whose film develops linear light, and whose parts tell where the difference lives; otherwise the one that
+        a file of `raytrace render` has in its metadata, A's first.
+    names: otherwise the paths, or "A" and "B".
+    kinds: "display" or "linear" for the values of each; otherwise what a file's metadata, and without them its
+        ending, says; an array is "display".
+    diagnose: whether to seek the usual mistakes, and the parts of the scene, where a pixel is over 1/255.
+
+    Raises:
+        raytrace.compare.NotFinite: an image holds NaN or infinity; an InputError, too.
+        InputError: an image is missing or of another size, or linear light without a scene.
+    """
+    images, names, known = comparable((a, b), names, kinds, scene, size)
+    over = metrics.pixels_over(*images)
+    height, width = over.shape
+    search = diagnose and bool(over.any())
+    reference = Reference(known, width, height) if search and known is not None else None
+    return Comparison(
+        names=names,
+        size=(width, height),
+        ssim=metrics.similarity(*images),
+        psnr=metrics.psnr(*images),
+        rmse=metrics.rmse(*images),
+        largest=metrics.largest_difference(*images),
+        over=int(np.count_nonzero(over)),
+        delta_e=metrics.delta_e(*images),
+        flip=metrics.flip(*images),
+        searched=search,
+        diagnosis=diagnosis(*images, reference) if search else None,
+        regions=() if reference is None else regions(over, reference),
+        images=images,
+    )
+
+
+def _plain(value: Any) -> Any:
+    if hasattr(value, "_asdict"):
+        return {name: _plain(part) for name, part in value._asdict().items()}
+    if isinstance(value, tuple):
+        return [_plain(part) for part in value]
+    if isinstance(value, float) and not isfinite(value):
+        return str(value)
+    return value

@@ -1,0 +1,83 @@
+"""Mistakes in what becomes of the light: the film's steps left out, done twice, or of another kind."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+
+from raytrace.compare.film import NEUTRAL, developed, undeveloped
+from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
+from raytrace.shader.uniforms import FilmUniforms, Program
+
+__all__ = ["channel_mistakes", "film_mistakes"]
+
+#: The exposure is sought within so many stops, in about so many pixels; so many stops are no mistake.
+_STOPS = 6
+_FITTED = 1 << 13
+_LEAST_STOPS = 0.01
+
+
+def channel_mistakes(a: np.ndarray) -> Iterator[tuple[str, Callable[[], np.ndarray]]]:
+    """What is said of B, and what `a` looks like with that mistake: the channels in every other order."""
+    for order in permutations(range(3)):
+        if order != (0, 1, 2):
+            name = "".join("RGB"[channel] for channel in order)
+            yield f"swapped in its channels ({name} for RGB)", lambda order=order: a[..., list(order)]
+
+
+def film_mistakes(
+    a: np.ndarray, b: np.ndarray, linear: np.ndarray | None, film: FilmUniforms, program: Program
+) -> Iterator[tuple[str, Callable[[], np.ndarray]]]:
+    """What is said of B, and what `a` looks like with that mistake.
+
+    linear: the light that `a` was developed of by `film` and `program`; ``None`` to take it from `a` itself, which
+        knows it up to where the film clips.
+    """
+    if linear is None:
+        linear, film = undeveloped(a, program), NEUTRAL
+    if linear is None:
+        return
+
+    def with_(film: FilmUniforms = film, **changes: Callable) -> Callable[[], np.ndarray]:
+        return lambda: developed(linear, film, replace(program, **changes))
+
+    mapper, transfer, none = program.tone_mapper, program.transfer, TRANSFERS["none"]
+    yield "without the transfer function (gamma missing)", with_(transfer=none)
+    yield "with the transfer function twice (gamma twice)", with_(transfer=lambda x: transfer(transfer(x)))
+    for name, other in TRANSFERS.items():
+        if other not in (transfer, none):
+            yield f"with the transfer function {name} for {_name(transfer, TRANSFERS)}", with_(transfer=other)
+    yield "without the tone mapper", with_(tone_mapper=TONE_MAPPERS["none"])
+    for name, other in TONE_MAPPERS.items():
+        if other not in (mapper, TONE_MAPPERS["none"]):
+            yield f"with the tone mapper {name} for {_name(mapper, TONE_MAPPERS)}", with_(tone_mapper=other)
+    yield "linear light, not developed (linear for display)", lambda: np.clip(linear, 0, max(1, b.max()))
+    yield "developed twice (display for linear)", lambda: developed(a, film, program)
+
+    factor = _exposure(linear, film, program, b)
+    if abs(np.log2(factor)) > _LEAST_STOPS:
+        name = f"exposed {factor:.3g} times as much ({np.log2(factor):+.2f} stops)"
+        yield name, with_(_exposed(film, factor))
+
+
+def _exposed(film: FilmUniforms, factor: float) -> FilmUniforms:
+    return film._replace(exposure=np.float64(factor if film.exposure is None else film.exposure * factor))
+
+
+def _exposure(linear: np.ndarray, film: FilmUniforms, program: Program, b: np.ndarray) -> float:
+    """The factor of exposure that brings `linear` nearest to `b`, by least squares over some of the pixels."""
+    from scipy.optimize import minimize_scalar
+
+    every = slice(None, None, 1 + b[..., 0].size // _FITTED)
+    some, shown = (image.reshape(1, -1, 3)[:, every] for image in (linear, b))
+
+    def error(stops):
+        return np.mean(np.square(developed(some, _exposed(film, 2.0**stops), program) - shown))
+
+    start = min(range(-_STOPS, _STOPS + 1), key=error)
+    return float(2 ** minimize_scalar(error, bounds=(start - 1, start + 1), method="bounded").x)
+
+
+def _name(function: Callable, known: dict[str, Callable]) -> str:
+    return next((name for name, other in known.items() if other is function), "the scene's own")

@@ -1,0 +1,141 @@
+"""Golden images against those of another renderer."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from raytrace.compare import Comparison, failures
+from raytrace.errors import EngineFailure, InputError
+from raytrace.golden.golden import BOUNDS, Golden
+from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest
+from raytrace.golden.writing import DISPLAY
+from raytrace.image.formats import FORMATS
+from raytrace.rendering import Rendering
+from raytrace.scene import scene_hash
+from raytrace.scene.toml import scene_from_toml
+
+__all__ = ["Checked", "GoldenFolder", "Source", "backend_source", "folder_source", "golden_folder"]
+
+#: Gives the image to check, or its file, for a golden one.
+Source = Callable[[Golden], Any]
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What came of one golden image: `failed` says what is wrong, and is empty where it passed.
+
+    comparison: ``None`` where there is nothing to compare.
+    """
+
+    name: str
+    failed: tuple[str, ...]
+    comparison: Comparison | None = None
+
+    def __str__(self) -> str:
+        head = f"{'FAIL' if self.failed else 'ok':4}  {self.name:24}"
+        c = self.comparison
+        if c is None:
+            return f"{head}  {'; '.join(self.failed)}"
+        similarity = "undefined" if c.ssim is None else f"{c.ssim.mean:.6f}"
+        line = f"{head}  SSIM {similarity}, {c.over} of {c.size[0] * c.size[1]} pixels over 1/255"
+        if not self.failed:
+            return line
+        return f"{line}: {c.diagnosis or '; '.join(self.failed)}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain types, for JSON."""
+        compared = None if self.comparison is None else self.comparison.to_dict()
+        return {"name": self.name, "failed": list(self.failed), "comparison": compared}
+
+
+@dataclass(frozen=True)
+class GoldenFolder:
+    """A folder of golden images.
+
+    broken: by a scene's name what is wrong with its files.
+    extra: files that belong to no golden image.
+    """
+
+    goldens: tuple[Golden, ...]
+    broken: Mapping[str, tuple[str, ...]]
+    extra: tuple[str, ...]
+
+    def check(self, source: Source, bounds: Mapping[str, float] | None = None) -> Iterator[Checked]:
+        """Compares the image that `source` gives for each golden one, by `BOUNDS` and what `bounds` changes of them.
+
+        What is broken or missing fails by name, and the others are still compared.
+        """
+        bounds = BOUNDS | dict(bounds or {})
+        for golden in self.goldens:
+            wrong = self.broken.get(golden.name, ())
+            if wrong:
+                yield Checked(golden.name, wrong)
+                continue
+            try:
+                image = source(golden)
+                comparison = golden.compare(image, str(image) if isinstance(image, Path) else "image")
+            except (InputError, EngineFailure) as error:
+                yield Checked(golden.name, (str(error),))
+                continue
+            yield Checked(golden.name, tuple(failures(comparison, bounds)), comparison)
+
+
+def golden_folder(folder: str | Path) -> GoldenFolder:
+    """The golden images of a folder that `raytrace golden` has made.
+
+    Raises:
+        InputError: it has no manifest, or that is broken.
+    """
+    folder = Path(folder)
+    manifest = read_manifest(folder)
+    goldens, broken = [], {}
+    for name, entry in manifest.scenes.items():
+        scene = scene_from_toml(entry.toml, f"{folder / MANIFEST}: scenes.{name}.toml")
+        goldens.append(Golden(name, scene, manifest.size, folder / f"{name}{DISPLAY}"))
+        wrong = [told for file, sha256 in entry.files.items() if (told := _wrong(folder / file, sha256))]
+        if scene_hash(scene) != entry.sha256:
+            wrong.append(f"{MANIFEST}: the scene is not the one that was rendered")
+        if wrong:
+            broken[name] = tuple(wrong)
+    ours = {MANIFEST, *(file for entry in manifest.scenes.values() for file in entry.files)}
+    extra = sorted(path.name for path in folder.iterdir() if path.name not in ours)
+    return GoldenFolder(tuple(goldens), broken, tuple(extra))
+
+
+def backend_source(backend: str, **options: Any) -> Source:
+    """Renders each golden image's scene with a backend, or with somebody's shader on it; see `raytrace.render`."""
+
+    def source(golden: Golden) -> Any:
+        return Rendering(golden.scene, golden.size, backend=backend, **options).whole()
+
+    return source
+
+
+def folder_source(folder: str | Path) -> Source:
+    """Finds each golden image's counterpart in a folder by the scene's name: NAME.png, NAME.exr (linear), ...
+
+    Raises:
+        InputError: there is no such folder.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder")
+
+    def source(golden: Golden) -> Path:
+        endings = (DISPLAY, *FORMATS)
+        for ending in endings:
+            path = folder / f"{golden.name}{ending}"
+            if path.exists():
+                return path
+        raise InputError(f"{folder}: missing: {golden.name} with one of {', '.join(endings)}")
+
+    return source
+
+
+def _wrong(path: Path, sha256: str) -> str:
+    if not path.is_file():
+        return f"{path}: missing"
+    if file_hash(path) != sha256:
+        return f"{path}: truncated or changed: not the file that was written"
+    return ""

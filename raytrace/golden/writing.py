@@ -1,0 +1,95 @@
+"""Golden images into a folder."""
+
+import json
+import os
+import secrets
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+
+from raytrace.errors import InputError
+from raytrace.files import reason
+from raytrace.golden.golden import SIZE, rendered
+from raytrace.golden.manifest import MANIFEST, Entry, Manifest, file_hash, read_manifest
+from raytrace.image import write_image
+from raytrace.rendering import Rendering
+from raytrace.report import uniforms_report
+from raytrace.scene import Scene, scene_hash, scene_toml, scenes
+
+__all__ = ["DISPLAY", "write_goldens"]
+
+#: The ending of the file with the display values in full precision.
+DISPLAY = ".display.exr"
+
+
+def write_goldens(folder: str | Path, chosen: Mapping[str, Scene], size: tuple[int, int] = SIZE) -> Iterator[str]:
+    """Writes the golden images of `chosen`; gives the name of each scene when its files are written.
+
+    For a scene NAME: NAME.linear.exr and NAME.display.exr (float32), NAME.steps.exr (a layer for each step),
+    NAME.png (8 bit) and NAME.uniforms.json, all from NumPy float64; and one manifest.json. The same scenes and
+    versions give the same bytes. The folder appears when all is written; one of golden images is replaced.
+
+    Raises:
+        InputError: the folder holds other files, or cannot be written.
+    """
+    with _whole_folder(Path(folder)) as temporary:
+        entries = {}
+        for name, scene in chosen.items():
+            files = _write_scene(temporary, name, scene, size)
+            entries[name] = Entry(
+                about=scenes().get(name, ""), toml=scene_toml(scene), sha256=scene_hash(scene), files=files
+            )
+            yield name
+        versions = {"raytrace": version("raytrace"), "numpy": np.__version__}
+        manifest = Manifest(size=size, versions=versions, scenes=entries)
+        (temporary / MANIFEST).write_text(manifest.model_dump_json(indent=1) + "\n", encoding="utf-8")
+
+
+def _write_scene(folder: Path, name: str, scene: Scene, size: tuple[int, int]) -> dict[str, str]:
+    """The files' names and hashes."""
+    steps = rendered(scene, size)
+    rendering = Rendering(scene, size, backend="numpy", dtype="float64")
+    metadata = rendering.metadata()
+    for ending, output in ((".linear.exr", "linear"), (DISPLAY, "display"), (".png", "display")):
+        write_image(folder / f"{name}{ending}", steps[output], output=output, metadata=metadata | {"output": output})
+    write_image(folder / f"{name}.steps.exr", dict(steps), metadata=metadata | {"output": "steps"})
+    report = json.dumps(uniforms_report(scene, size), indent=1)
+    (folder / f"{name}.uniforms.json").write_text(report + "\n", encoding="utf-8")
+    return {path.name: file_hash(path) for path in sorted(folder.glob(f"{name}.*"))}
+
+
+@contextmanager
+def _whole_folder(folder: Path) -> Iterator[Path]:
+    """A temporary folder beside `folder`, which takes its place when the body ends well."""
+    shown, folder = folder, Path(os.path.realpath(folder))
+    _check_replaceable(shown, folder)
+    temporary = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")
+    try:
+        temporary.mkdir()
+        yield temporary
+        if folder.exists():
+            shutil.rmtree(folder)
+        temporary.rename(folder)
+    except OSError as error:
+        raise InputError(f"{shown}: cannot be written: {reason(error)}") from None
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _check_replaceable(shown: Path, folder: Path) -> None:
+    if not folder.parent.is_dir():
+        raise InputError(f"{shown}: the folder {shown.parent} does not exist")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{shown}: is not a folder")
+    if not folder.is_dir() or not any(folder.iterdir()):
+        return
+    ours = {MANIFEST}
+    if (folder / MANIFEST).exists():
+        ours |= {file for entry in read_manifest(folder).scenes.values() for file in entry.files}
+    other = sorted(path.name for path in folder.iterdir() if path.name not in ours)
+    if other:
+        raise InputError(f"{shown}: holds {other[0]}, which is no golden image; give a new or an empty folder")

@@ -1,0 +1,248 @@
+"""Golden images: written whole and the same each time, and told from any other image."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import raytrace
+from raytrace.compare import failures
+from raytrace.golden import BOUNDS, backend_source, folder_source, golden_folder, golden_scenes, write_goldens
+from raytrace.image import read_metadata
+from raytrace.testing import goldens
+
+COMMAND = [sys.executable, "-c", "from raytrace.cli import run; run()"]
+SIZE = (96, 54)
+SCENES = ("checkerboard", "skybox")
+
+
+def made(folder="G", names=SCENES, size=SIZE):
+    assert list(write_goldens(folder, golden_scenes(names), size)) == [Path(name).stem for name in names]
+    return Path(folder)
+
+
+def command(*args):
+    return subprocess.run([*COMMAND, *map(str, args)], capture_output=True, text=True, timeout=300, check=False)
+
+
+def test_what_is_written():
+    folder = made()
+    endings = (".display.exr", ".linear.exr", ".png", ".steps.exr", ".uniforms.json")
+    assert {path.name for path in folder.iterdir()} == {
+        "manifest.json",
+        *(name + ending for name in SCENES for ending in endings),
+    }
+    steps = raytrace.render("checkerboard", SIZE, backend="numpy", dtype="float64", output="steps")
+    for ending, name in ((".display.exr", "display"), (".linear.exr", "linear")):
+        np.testing.assert_array_equal(raytrace.read_image(folder / f"checkerboard{ending}"), np.float32(steps[name]))
+    png = raytrace.read_image(folder / "checkerboard.png")
+    np.testing.assert_allclose(png, np.rint(steps["display"] * 255) / 255, atol=1e-7)
+    np.testing.assert_array_equal(raytrace.read_image(folder / "checkerboard.steps.exr")["index"], steps["index"])
+    assert len(json.loads((folder / "checkerboard.uniforms.json").read_text())["spheres"]) == 6
+    assert read_metadata(folder / "checkerboard.linear.exr")["output"] == "linear"
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert manifest["size"] == [*SIZE]
+    assert manifest["versions"].keys() == {"raytrace", "numpy"}
+    assert manifest["scenes"]["skybox"]["about"].startswith("Figure 2")
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in Path(folder).iterdir()}
+
+
+def test_twice_gives_equal_bytes_and_another_value_other_hashes():
+    once = contents(made())
+    assert contents(made()) == once
+    raytrace.save_scene(raytrace.load_scene("skybox", ["sun.color=[1.64, 1.27, 0.9900001]"]), "skybox.toml")
+    other = made("H", ("./skybox.toml",))
+    hashes = [json.loads((folder / "manifest.json").read_text())["scenes"]["skybox"] for folder in (Path("G"), other)]
+    assert hashes[0]["sha256"] != hashes[1]["sha256"]
+
+
+def test_a_folder_of_something_else_is_left_alone():
+    Path("mine").mkdir()
+    Path("mine/thesis.tex").write_text("")
+    with pytest.raises(raytrace.InputError, match=r"^mine: holds thesis\.tex, which is no golden image"):
+        made("mine")
+    made("G")
+    Path("G/notes.txt").write_text("")
+    with pytest.raises(raytrace.InputError, match=r"^G: holds notes\.txt"):
+        made("G")
+    with pytest.raises(raytrace.InputError, match=r"^nowhere/G: the folder nowhere does not exist"):
+        made("nowhere/G")
+    assert sorted(path.name for path in Path().iterdir()) == ["G", "mine"]
+
+
+def test_an_interruption_leaves_the_old_folder():
+    made("G", ("skybox",))
+    before = contents("G")
+    process = subprocess.Popen([*COMMAND, "golden", "G", "--size", "1920x1080"], stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60
+    while len(list(Path().iterdir())) < 2 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    time.sleep(1)
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=60)
+    assert (process.returncode, told) == (130, "raytrace: interrupted\n")
+    assert [path.name for path in Path().iterdir()] == ["G"]
+    assert contents("G") == before
+
+
+def results(source, folder="G", **bounds):
+    return {result.name: result for result in golden_folder(folder).check(source, bounds)}
+
+
+def test_other_arithmetics_pass(engine):
+    made("G", ("checkerboard", "skybox", "spheres"))
+    for source in (backend_source(engine), backend_source("jax"), backend_source("numpy", dtype="float64")):
+        assert [result.failed for result in results(source).values()] == [()] * 3
+
+
+def test_images_of_another_renderer_pass_in_any_format():
+    made()
+    Path("I").mkdir()
+    for name, path in (("checkerboard", "checkerboard.png"), ("skybox", "skybox.exr")):
+        output = "linear" if path.endswith("exr") else "display"
+        raytrace.write_image(f"I/{path}", raytrace.render(name, SIZE, output=output), output=output)
+    assert [result.failed for result in results(folder_source("I")).values()] == [(), ()]
+    assert [result.failed for result in results(folder_source("G")).values()] == [(), ()]
+
+
+def test_an_image_of_8_bits_is_held_against_8_bits():
+    """In a dark sky rounding alone would take SSIM below the bound."""
+    made("G", ("skybox-linear", "inside-a-sphere"), (480, 270))
+    assert [result.failed for result in results(folder_source("G"), min_ssim=0.9999).values()] == [(), ()]
+    Path("I").mkdir()
+    for name in ("skybox-linear", "inside-a-sphere"):
+        shutil.copy(f"G/{name}.png", "I")
+    assert [result.failed for result in results(folder_source("I")).values()] == [(), ()]
+
+
+def test_what_is_wrong_with_files_is_named():
+    made("G", ("checkerboard", "skybox", "sphere", "spheres", "shadows"))
+    shutil.copytree("G", "I")
+    for path in Path("I").glob("*.exr"):
+        path.unlink()
+    whole = Path("G/skybox.display.exr").read_bytes()
+    Path("G/skybox.display.exr").write_bytes(whole[: len(whole) // 2])
+    Path("G/sphere.png").unlink()
+    Path("G/extra.png").write_text("")
+    Path("I/spheres.png").unlink()
+    Path("I/shadows.png").write_bytes(Path("I/shadows.png").read_bytes()[:500])
+    done = command("check", "G", "--images", "I")
+    assert (done.returncode, done.stderr) == (1, "")
+    lines = done.stdout.splitlines()
+    assert [line.split()[:2] for line in lines[:5]] == [
+        ["ok", "checkerboard"],
+        ["FAIL", "skybox"],
+        ["FAIL", "sphere"],
+        ["FAIL", "spheres"],
+        ["FAIL", "shadows"],
+    ]
+    assert "G/skybox.display.exr: truncated or changed" in lines[1]
+    assert "G/sphere.png: missing" in lines[2]
+    assert "I: missing: spheres with one of" in lines[3]
+    assert "I/shadows.png: is not a" in lines[4]
+    assert "G/extra.png: extra" in lines[5]
+    assert "1 of 5 pass" in lines[6]
+
+
+@pytest.mark.parametrize(
+    ("args", "told"),
+    [
+        (["check", "nowhere", "--backend", "numpy"], "nowhere: holds no golden images (no manifest.json)"),
+        (["check", "G"], "check: give one of --backend and --images"),
+        (["check", "G", "--backend", "numpy", "--images", "G"], "check: give one of --backend and --images"),
+        (["check", "G", "--images", "nowhere"], "nowhere: no such folder"),
+        (["check", "G", "--images", "G", "--shader", "a.frag"], "check: --shader needs --backend"),
+        (["check", "broken", "--backend", "numpy"], "broken/manifest.json: broken"),
+        (["golden", "new", "--scenes", "nowhere"], "nowhere: no such scene"),
+        (["golden", "new", "--scenes", "sphere,sphere"], "scenes: two are called 'sphere'"),
+        (["golden", "new", "--scenes", ","], "scenes: none is given"),
+        (["golden", "new", "--size", "0x9"], "size: must be"),
+        (["golden", "G/manifest.json"], "G/manifest.json: is not a folder"),
+    ],
+)
+def test_bad_input_is_one_line(args, told):
+    made("G", ("skybox",))
+    Path("broken").mkdir()
+    Path("broken/manifest.json").write_text('{"format": 2}')
+    done = command(*args)
+    assert (done.returncode, done.stdout) == (2, "")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith(f"raytrace: {told}")
+    assert not Path("new").exists()
+
+
+def test_the_command_makes_and_checks():
+    assert command("golden", "G", "--scenes", "checkerboard,skybox", "--size", "96x54").returncode == 0
+    done = command("check", "G", "--backend", "numpy", "--dtype", "float32")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines()[-1] == "2 of 2 pass; report.html"
+    assert "<table>" in Path("report.html").read_text()
+    found = command("check", "G", "--backend", "numpy", "--dtype", "float32", "--min-ssim", "1.01", "--json")
+    assert found.returncode == 1
+    first = json.loads(found.stdout)["results"][0]
+    assert first["name"] == "checkerboard"
+    assert "must be at least 1.01" in first["failed"][0]
+
+
+def test_a_wrong_shader_is_diagnosed(engine):
+    made("G", ("checkerboard",))
+    Path("a.frag").write_text("")
+    scene = raytrace.load_scene("checkerboard")
+    from raytrace.export import EXPORTS
+
+    right = EXPORTS["glsl"](scene, SIZE)
+    Path("a.frag").write_text(
+        right.replace("2. * fragmentTextureCoordinates - 1.", "1. - 2. * fragmentTextureCoordinates")
+    )
+    wrong = results(backend_source(engine, shader="a.frag"))["checkerboard"]
+    assert wrong.failed
+    assert "flipped" in str(wrong)
+    Path("a.frag").write_text(right.replace("2.51", "2.51 +"))
+    assert "a.frag:" in results(backend_source(engine, shader="a.frag"))["checkerboard"].failed[0]
+
+
+@pytest.mark.parametrize("golden", goldens(scenes=["checkerboard", "shadows"], size=(240, 135)), ids=str)
+def test_opengl_by_the_helper_for_other_projects(golden):
+    if os.environ.get("RAYTRACE_TEST_EVERYTHING") is None:
+        pytest.importorskip("moderngl", reason="needs moderngl: pip install 'raytrace[gpu-backends]'")
+    try:
+        image = raytrace.render(golden.scene, golden.size, backend="opengl")
+    except raytrace.InputError as missing:
+        if os.environ.get("RAYTRACE_TEST_EVERYTHING"):
+            raise
+        pytest.skip(str(missing))
+    golden.check(image)
+    with pytest.raises(AssertionError, match=f"^{golden}: SSIM is "):
+        golden.check(image[::-1])
+
+
+def test_goldens_of_a_folder():
+    folder = made()
+    assert [golden.name for golden in goldens(folder)] == [*SCENES]
+    (golden,) = goldens(folder, scenes=["skybox"])
+    assert golden.size == SIZE
+    golden.check(raytrace.render(golden.scene, golden.size))
+    with pytest.raises(raytrace.InputError, match="holds no golden image 'sphere'"):
+        goldens(folder, scenes=["sphere"])
+    (folder / "skybox.png").unlink()
+    with pytest.raises(raytrace.InputError, match=r"skybox\.png: missing"):
+        goldens(folder)
+
+
+@pytest.mark.slow
+def test_every_golden_fails_against_every_other():
+    every = goldens(size=(240, 135))
+    for a, b in combinations(every, 2):
+        comparison = raytrace.compare(a.image, b.image, diagnose=False)
+        assert len(failures(comparison, BOUNDS)) == 2, (a.name, b.name)
