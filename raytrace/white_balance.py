@@ -1,9 +1,10 @@
 """The constant matrix that makes a white point white."""
 
-import warnings
 from functools import lru_cache
 
 import numpy as np
+
+from raytrace.colour_science import colour_science
 
 __all__ = ["adaptation_matrix"]
 
@@ -17,10 +18,7 @@ def adaptation_matrix(white_point: float | tuple[float, float]) -> np.ndarray:
 
     Bradford's chromatic adaptation (Lam 1985), by colour-science.
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of what colour could do if more were installed
-        import colour
-
+    colour = colour_science()
     given_xy = isinstance(white_point, tuple)
     xy = np.array(white_point) if given_xy else colour.temperature.CCT_to_xy_Kang2002(white_point)
     srgb = colour.RGB_COLOURSPACES["sRGB"]

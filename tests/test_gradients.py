@@ -18,7 +18,7 @@ from raytrace.shader.glsl import Vec3
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import FilmUniforms
 from raytrace.uniforms import program_of, uniforms_of
-from tests.scenes import FIGURES_FIRST
+from tests.scenes import SEVERAL_SCENES
 from tests.strategies import colors, directions, many, numbers, positions, spheres
 
 #: An odd height: the default camera is level, and the middle row's rays are parallel to the ground.
@@ -30,7 +30,7 @@ def assert_finite(gradient):
         assert np.isfinite(leaf).all(), jax.tree_util.keystr(path)
 
 
-@FIGURES_FIRST
+@SEVERAL_SCENES
 def test_every_derivative_is_finite(name):
     scene = raytrace.load_scene(name)
     assert_finite(jax.grad(lambda scene: raytrace.render(scene, SIZE).sum())(scene))

@@ -176,3 +176,17 @@ def test_broken_files_are_refused(name, share):
 def test_missing_files_are_refused():
     with pytest.raises(raytrace.InputError, match=r"nowhere\.png: no such file"):
         raytrace.read_image("nowhere.png")
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.tif"])
+def test_alpha_is_left_out(name):
+    """The colour as it is stored, not multiplied by it."""
+    import OpenImageIO as oiio
+
+    spec = oiio.ImageSpec(1, 1, 4, "uint8")
+    spec.attribute("oiio:UnassociatedAlpha", 1)
+    file = oiio.ImageOutput.create(name)
+    file.open(name, spec)
+    file.write_image(np.array([[[128, 64, 255, 128]]], np.uint8))
+    file.close()
+    assert (raytrace.read_image(name) * 255).round().tolist() == [[[128, 64, 255]]]

@@ -17,7 +17,7 @@ def bench(
         bool, typer.Option("--plain-jit", help="Instead: the default scene against one plain jit (minutes).")
     ] = False,
 ) -> None:
-    """Time a frame of each built-in scene on each backend, compilation apart."""
+    """Time a frame of each figure of the assignment on each backend, compilation apart."""
     timings = (plain_jit_timings if plain_jit else scene_timings)(size_of(size), runs)
     print(f"{'scene':14} {'how':14} {'median ms':>10} {'fastest':>10} {'slowest':>10}", flush=True)
     for row in timings:

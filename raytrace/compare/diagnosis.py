@@ -91,8 +91,11 @@ def diagnosis(a: np.ndarray, b: np.ndarray, reference: Reference | None) -> Diag
         found = [(_weighed(known[n][0], some_a, known[n][1](), some_b), n) for n in chosen or range(len(known))]
         return sorted(found, key=lambda item: (-item[0].explained, item[0].rmse[1]))
 
-    ranked = [n for _, n in weighed([], ceil(sqrt(height * width / _RANKED)))]
-    best, _ = weighed(ranked[:_WEIGHED], 1)[0]
+    every = ceil(sqrt(height * width / _RANKED))
+    ranked = weighed([], every)
+    if every > 1:
+        ranked = weighed([n for _, n in ranked[:_WEIGHED]], 1)
+    best, _ = ranked[0]
     return best if best.explained >= _EXPLAINED and best.over[1] < _LEFT * best.over[0] else None
 
 

@@ -14,7 +14,7 @@ __all__ = ["channel_mistakes", "film_mistakes"]
 
 #: The exposure is sought within so many stops, in about so many pixels; so many stops are no mistake.
 _STOPS = 6
-_FITTED = 1 << 13
+_FITTED = 1 << 12
 _LEAST_STOPS = 0.01
 
 
@@ -75,8 +75,8 @@ def _exposure(linear: np.ndarray, film: FilmUniforms, program: Program, b: np.nd
     def error(stops):
         return np.mean(np.square(developed(some, _exposed(film, 2.0**stops), program) - shown))
 
-    start = min(range(-_STOPS, _STOPS + 1), key=error)
-    return float(2 ** minimize_scalar(error, bounds=(start - 1, start + 1), method="bounded").x)
+    start = min(range(-_STOPS, _STOPS + 1, 2), key=error)
+    return float(2 ** minimize_scalar(error, bounds=(start - 2, start + 2), method="bounded").x)
 
 
 def _name(function: Callable, known: dict[str, Callable]) -> str:

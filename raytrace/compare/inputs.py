@@ -66,9 +66,9 @@ def comparable(
 
 
 def of_8_bits(image: np.ndarray) -> bool:
-    """Whether display values are all k / 255, as a file of 8 bits a channel gives them."""
+    """Whether display values are all k / 255, as a file of 8 bits a channel gives them, and not all 0 or 1."""
     steps = image * 255
-    return bool((np.abs(steps - np.rint(steps)) < 1e-3).all())
+    return bool((np.abs(steps - np.rint(steps)) < 1e-3).all() and ((image > 0) & (image < 1)).any())
 
 
 def _of_equal_depth(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

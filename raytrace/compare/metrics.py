@@ -1,10 +1,11 @@
 """How far two images are apart: each function takes two float64 arrays (height, width, 3) of display values."""
 
-import warnings
 from math import inf, log10
 from typing import NamedTuple
 
 import numpy as np
+
+from raytrace.colour_science import colour_science
 
 __all__ = [
     "LEVEL",
@@ -105,10 +106,7 @@ def pixels_over(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def delta_e(a: np.ndarray, b: np.ndarray) -> Spread:
     """CIEDE2000 of what an sRGB display shows, values clamped to [0, 1]; by colour-science."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of what colour could do if more were installed
-        import colour
-
+    colour = colour_science()
     lab_a, lab_b = (colour.XYZ_to_Lab(colour.sRGB_to_XYZ(np.clip(image, 0, 1))) for image in (a, b))
     return _spread(colour.delta_E(lab_a, lab_b, method="CIE 2000"))
 

@@ -59,8 +59,10 @@ def _opened(path: Path) -> Any:
 
     if not path.is_file():
         raise InputError(f"{path}: no such file")
+    config = oiio.ImageSpec()
+    config.attribute("oiio:UnassociatedAlpha", 1)  # else PNG's colours would be multiplied by their alpha
     with quiet():
-        file = oiio.ImageInput.open(str(path))
+        file = oiio.ImageInput.open(str(path), config)
     if file is None:
         raise InputError(f"{path}: is not an image: {told(oiio)}")
     return file

@@ -127,3 +127,12 @@ def test_a_broken_scene_in_a_file_matters_only_where_none_is_given():
     with pytest.raises(InputError, match=r"a\.png: the scene in its metadata: not TOML"):
         compare("a.png", image)
     assert compare("a.png", image, scene="sphere").over == 0
+
+
+def test_where_one_is_of_8_bits_the_other_is_rounded_to_them():
+    exact = np.linspace(0.0, 1.0, 16 * 16 * 3).reshape(16, 16, 3)
+    rounded = np.rint(exact * 255) / 255
+    assert raytrace.compare(exact, rounded).largest.value == 0
+    assert raytrace.compare(exact, rounded + 0.001).largest.value > 1e-3
+    black = np.zeros((16, 16, 3))
+    assert raytrace.compare(black, black + 0.001).largest.value == 0.001

@@ -212,7 +212,7 @@ def test_a_wrong_shader_is_diagnosed(engine):
     assert "a.frag:" in results(backend_source(engine, shader="a.frag"))["checkerboard"].failed[0]
 
 
-@pytest.mark.parametrize("golden", goldens(scenes=["checkerboard", "shadows"], size=(240, 135)), ids=str)
+@pytest.mark.parametrize("golden", goldens(scenes=["checkerboard", "shadows"], size=(240, 136)), ids=str)
 def test_opengl_by_the_helper_for_other_projects(golden):
     if os.environ.get("RAYTRACE_TEST_EVERYTHING") is None:
         pytest.importorskip("moderngl", reason="needs moderngl: pip install 'raytrace[gpu-backends]'")
@@ -242,7 +242,7 @@ def test_goldens_of_a_folder():
 
 @pytest.mark.slow
 def test_every_golden_fails_against_every_other():
-    every = goldens(size=(240, 135))
+    every = goldens(size=(240, 136))
     for a, b in combinations(every, 2):
         comparison = raytrace.compare(a.image, b.image, diagnose=False)
         assert len(failures(comparison, BOUNDS)) == 2, (a.name, b.name)
