@@ -33,7 +33,10 @@ def golden(
 
 def check(
     folder: Folder,
-    backend: Annotated[str | None, typer.Option(help="The backend to check: jax, numpy, opengl or webgl.")] = None,
+    backend: Annotated[
+        str | None,
+        typer.Option(help="The backend to check: jax, numpy, opengl or webgl; with --shader: opengl by default."),
+    ] = None,
     dtype: Annotated[str, typer.Option(help="Of the backend.")] = "float32",
     images: Annotated[
         Path | None, typer.Option(help="A folder of another renderer's images to check: NAME.png, NAME.exr, ...")
@@ -49,10 +52,10 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
 ) -> None:
     """Check a backend, a shader, or another renderer's images against golden images; exit code 1 if any fails."""
+    if shader is not None and backend is None:
+        backend = "opengl"
     if (images is None) == (backend is None):
-        raise InputError("check: give one of --backend and --images")
-    if images is not None and (shader is not None or uniforms):
-        raise InputError("check: --shader needs --backend opengl or webgl")
+        raise InputError("check: give one of --images, --backend and --shader")
     held = golden_folder(folder)
     if images is not None:
         what, source = str(images), folder_source(images)

@@ -61,6 +61,8 @@ def progress(total: int, what: str = "rendering") -> Iterator:
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task(what, total=total)
-        yield lambda done: progress.advance(task, done)
+    # What is printed meanwhile must not end up beside the bar, on standard error, where it was not meant to be.
+    to_terminal = sys.stdout is not None and sys.stdout.isatty()
+    with Progress(console=Console(stderr=True), transient=True, redirect_stdout=to_terminal) as bar:
+        task = bar.add_task(what, total=total)
+        yield lambda done: bar.advance(task, done)

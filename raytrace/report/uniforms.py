@@ -16,7 +16,7 @@ def uniforms_report(scene: Scene, size: tuple[int, int]) -> dict[str, Any]:
 
     Every number is a dict: "value" in double, as it was computed; "float32", what it is rounded to and rendered with;
     that number's hexadecimal notation ("hex", as in C and Python) and its 32 bits ("bits"). Vectors are lists,
-    matrices lists of 16 in GLSL's order, column by column.
+    matrices lists of 16 or 9 in GLSL's order, column by column.
     """
     uniforms = uniforms_of(scene, size[0] / size[1])
     values = values_of(uniforms)

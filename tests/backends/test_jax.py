@@ -14,7 +14,7 @@ from raytrace.rendering import Rendering
 from raytrace.scene.toml import figures
 from raytrace.shader.pixel import Frame
 from raytrace.uniforms import program_of, uniforms_of
-from tests.scenes import FIGURES_FIRST
+from tests.scenes import SEVERAL_SCENES
 from tests.strategies import many
 
 
@@ -30,7 +30,7 @@ def assert_same_image(name, size, tolerance):
     np.testing.assert_allclose(steps["display"], reference["display"], rtol=0, atol=tolerance)
 
 
-@FIGURES_FIRST
+@SEVERAL_SCENES
 def test_float64_is_numpys(name):
     assert_same_image(name, (480, 270), 5e-12 if name in figures() else 2e-11)
 

@@ -1,6 +1,5 @@
 """A browser with exported pages in it."""
 
-import os
 import re
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import raytrace
 from raytrace.backends.gpu.drawing import Unavailable
 from raytrace.backends.gpu.webgl import chromium
 from raytrace.export import EXPORTS
+from tests.engines import skip_unless_required
 
 #: Of the picture, and of the window, whose width it takes.
 SIZE = (320, 180)
@@ -70,15 +70,13 @@ def browser():
         try:
             from playwright.sync_api import sync_playwright
         except ImportError:
-            raise Unavailable("needs Playwright: pip install 'raytrace[gpu-backends]'") from None
+            raise Unavailable("needs Playwright: pip install playwright") from None
         with sync_playwright() as playwright:
             started = chromium(playwright)
             yield started
             started.close()
     except Unavailable as missing:
-        if os.environ.get("RAYTRACE_TEST_EVERYTHING"):
-            raise
-        pytest.skip(str(missing))
+        skip_unless_required(missing)
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 """Golden images: written whole and the same each time, and told from any other image."""
 
 import json
-import os
 import shutil
 import signal
 import subprocess
@@ -18,6 +17,7 @@ from raytrace.compare import failures
 from raytrace.golden import BOUNDS, backend_source, folder_source, golden_folder, golden_scenes, write_goldens
 from raytrace.image import read_metadata
 from raytrace.testing import goldens
+from tests.engines import need
 
 COMMAND = [sys.executable, "-c", "from raytrace.cli import run; run()"]
 SIZE = (96, 54)
@@ -159,10 +159,10 @@ def test_what_is_wrong_with_files_is_named():
     ("args", "told"),
     [
         (["check", "nowhere", "--backend", "numpy"], "nowhere: holds no golden images (no manifest.json)"),
-        (["check", "G"], "check: give one of --backend and --images"),
-        (["check", "G", "--backend", "numpy", "--images", "G"], "check: give one of --backend and --images"),
+        (["check", "G"], "check: give one of --images, --backend and --shader"),
+        (["check", "G", "--backend", "numpy", "--images", "G"], "check: give one of --images, --backend and --shader"),
         (["check", "G", "--images", "nowhere"], "nowhere: no such folder"),
-        (["check", "G", "--images", "G", "--shader", "a.frag"], "check: --shader needs --backend"),
+        (["check", "G", "--images", "G", "--shader", "a.frag"], "check: give one of --images, --backend and --shader"),
         (["check", "broken", "--backend", "numpy"], "broken/manifest.json: broken"),
         (["golden", "new", "--scenes", "nowhere"], "nowhere: no such scene"),
         (["golden", "new", "--scenes", "sphere,sphere"], "scenes: two are called 'sphere'"),
@@ -214,14 +214,8 @@ def test_a_wrong_shader_is_diagnosed(engine):
 
 @pytest.mark.parametrize("golden", goldens(scenes=["checkerboard", "shadows"], size=(240, 136)), ids=str)
 def test_opengl_by_the_helper_for_other_projects(golden):
-    if os.environ.get("RAYTRACE_TEST_EVERYTHING") is None:
-        pytest.importorskip("moderngl", reason="needs moderngl: pip install 'raytrace[gpu-backends]'")
-    try:
-        image = raytrace.render(golden.scene, golden.size, backend="opengl")
-    except raytrace.InputError as missing:
-        if os.environ.get("RAYTRACE_TEST_EVERYTHING"):
-            raise
-        pytest.skip(str(missing))
+    need("opengl")
+    image = raytrace.render(golden.scene, golden.size, backend="opengl")
     golden.check(image)
     with pytest.raises(AssertionError, match=f"^{golden}: SSIM is "):
         golden.check(image[::-1])

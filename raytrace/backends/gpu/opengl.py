@@ -40,7 +40,7 @@ class OpenGL:
         try:
             import moderngl
         except ImportError:
-            raise Unavailable("needs moderngl: pip install 'raytrace[gpu-backends]'") from None
+            raise Unavailable("needs moderngl: pip install moderngl") from None
         options = {"backend": "egl"} if sys.platform == "linux" else {}
         try:
             self._context = moderngl.create_standalone_context(**options)

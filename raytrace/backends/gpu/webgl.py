@@ -27,12 +27,18 @@ def chromium(playwright: Any) -> Any:
     """The browser, started by a running Playwright.
 
     Raises:
-        Unavailable: Chromium is not installed.
+        Unavailable: Chromium is not installed, or does not start.
     """
     command = next(filter(None, map(shutil.which, _COMMANDS)), None)
     if command is None:
         raise Unavailable("needs Chromium: apt-get install chromium")
-    return playwright.chromium.launch(executable_path=command, args=list(_FLAGS))
+    try:
+        return playwright.chromium.launch(executable_path=command, args=list(_FLAGS))
+    except Exception as error:
+        reason = " ".join(str(error).split())[:200]
+        raise Unavailable(
+            f"needs Chromium, and {command} does not start (apt-get install chromium): {reason}"
+        ) from None
 
 
 class WebGL:
@@ -42,9 +48,13 @@ class WebGL:
         try:
             from playwright.sync_api import sync_playwright
         except ImportError:
-            raise Unavailable("needs Playwright: pip install 'raytrace[gpu-backends]'") from None
+            raise Unavailable("needs Playwright: pip install playwright") from None
         self._playwright = sync_playwright().start()
-        self._browser = chromium(self._playwright)
+        try:
+            self._browser = chromium(self._playwright)
+        except Unavailable:
+            self._playwright.stop()  # or it could not be started again
+            raise
         self._page = self._browser.new_page()
         self._page.set_default_timeout(0)
         script = resources.files("raytrace.backends.gpu") / "webgl.js"
