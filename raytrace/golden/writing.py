@@ -68,16 +68,20 @@ def _whole_folder(folder: Path) -> Iterator[Path]:
     shown, folder = folder, Path(os.path.realpath(folder))
     _check_replaceable(shown, folder)
     temporary = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")
+    old = temporary.with_name(f"{temporary.name}-old")
     try:
         temporary.mkdir()
         yield temporary
         if folder.exists():
-            shutil.rmtree(folder)
+            folder.rename(old)
         temporary.rename(folder)
     except OSError as error:
         raise InputError(f"{shown}: cannot be written: {reason(error)}") from None
     finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+        if old.exists() and not folder.exists():
+            old.rename(folder)
+        for left in (temporary, old):
+            shutil.rmtree(left, ignore_errors=True)
 
 
 def _check_replaceable(shown: Path, folder: Path) -> None:
