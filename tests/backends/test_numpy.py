@@ -16,7 +16,7 @@ from raytrace.shader.control import Engine
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.uniforms import program_of, uniforms_of
-from tests.scenes import EVERY_SCENE, FIGURES_FIRST
+from tests.scenes import SEVERAL_SCENES
 from tests.strategies import scenes
 
 SIZE = (96, 55)
@@ -34,7 +34,7 @@ def assert_same_bits(a, b):
         np.testing.assert_array_equal(a[name], b[name], err_msg=name)
 
 
-@EVERY_SCENE
+@SEVERAL_SCENES
 @pytest.mark.parametrize("dtype", ["float32", "float64", "longdouble"])
 @pytest.mark.parametrize("intersection", ["textbook", "robust"])
 def test_skipping_changes_no_bit(name, dtype, intersection):
@@ -56,7 +56,7 @@ def test_without_the_steps_that_skip_shadows_the_image_is_the_same():
     np.testing.assert_array_equal(linear, raytrace.render("checkerboard", output="steps", **options)["linear"])
 
 
-@FIGURES_FIRST
+@SEVERAL_SCENES
 def test_float64_is_longdouble_but_for_rounding(name):
     """At most 1e-11 apart, and no branch taken otherwise."""
     options = {"size": (480, 270), "backend": "numpy", "output": "steps"}
@@ -67,7 +67,7 @@ def test_float64_is_longdouble_but_for_rounding(name):
     assert wide["display"].dtype == np.longdouble
 
 
-@FIGURES_FIRST
+@SEVERAL_SCENES
 def test_the_formulas_agree(name):
     """Textbook and robust, float64: 1e-12 in t on the figures; the others are larger worlds and look closer."""
     options = {"size": (480, 270), "backend": "numpy", "dtype": "float64", "output": "steps"}

@@ -14,7 +14,7 @@ from raytrace.shader.namespace import lift, namespace
 from raytrace.shader.pixel import Frame, pixels
 from raytrace.shader.tree import tree_map
 from raytrace.uniforms import program_of, uniforms_of
-from tests.scenes import EVERY_SCENE
+from tests.scenes import SEVERAL_SCENES
 
 KEEP = tuple(COMPONENTS)
 FRAME = Frame(24, 13)
@@ -49,7 +49,7 @@ def polite(monkeypatch):
         monkeypatch.setattr(array, f"__{name}__", operator)
 
 
-@EVERY_SCENE
+@SEVERAL_SCENES
 @FORMULAS
 @pytest.mark.usefixtures("polite")
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
@@ -162,7 +162,7 @@ class Counting:
         return function
 
 
-@EVERY_SCENE
+@SEVERAL_SCENES
 @FORMULAS
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_runs_on_a_type_of_ones_own(name, intersection):
