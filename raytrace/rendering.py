@@ -49,6 +49,7 @@ class Rendering:
         output: str = "display",
         intersection: str | None = None,
         exact_inputs: bool = False,
+        skip: bool = True,
         shader: str | Path | None = None,
         uniforms: Mapping[str, Any] | None = None,
         time_limit: float = ForeignShader.time_limit,
@@ -76,7 +77,7 @@ class Rendering:
         self.scene, self.backend, self.dtype, self.output = scene, backend, dtype, output
         self.intersection, self.exact_inputs = intersection, exact_inputs
         self.frame = Frame(*map(int, size), samples=int(samples))
-        job = Job(program_of(scene, intersection), self.frame, OUTPUTS[output], dtype, exact_inputs, engine, foreign)
+        job = Job(program_of(scene, intersection), self.frame, OUTPUTS[output], dtype, exact_inputs, skip, engine, foreign)
         self.renderer = renderer(backend, uniforms_of(scene, self.frame.width / self.frame.height), job)
 
     def whole(self) -> Any:
@@ -143,6 +144,7 @@ def render(
     output: str = "display",
     intersection: str | None = None,
     exact_inputs: bool = False,
+    skip: bool = True,
     shader: str | Path | None = None,
     uniforms: Mapping[str, Any] | None = None,
     time_limit: float = ForeignShader.time_limit,
@@ -161,6 +163,8 @@ def render(
         and textbook in GLSL.
     exact_inputs: carry the scene's numbers in `dtype` as they are, instead of rounding each once to float32, which
         is what a GPU is given.
+    skip: with JAX and NumPy, leave out what a part of the image does not need: branches that no pixel takes, spheres
+        that no ray of it can meet. The bits are the same without, only later.
     shader: a file with somebody's own fragment shader, for "opengl" and "webgl", to run in the place of ours. The
         scene's uniforms are bound by their names; `output` says what it gives, display or linear values.
     uniforms: what a uniform of that shader stands for where its name does not say it: a key of
@@ -183,6 +187,7 @@ def render(
         output=output,
         intersection=intersection,
         exact_inputs=exact_inputs,
+        skip=skip,
         shader=shader,
         uniforms=uniforms,
         time_limit=time_limit,

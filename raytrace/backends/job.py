@@ -31,6 +31,7 @@ class Job:
     keep: the names of the steps to give back (`raytrace.shader.Steps`).
     dtype: the arithmetic.
     exact_inputs: carry the scene's numbers as they are, instead of rounding each once to float32 before.
+    skip: leave out what the scene does not need; without, the same bits take longer.
     engine: instead of the backend's own.
     shader: instead of the scene's program, on the backends that can run one.
     """
@@ -40,5 +41,6 @@ class Job:
     keep: tuple[str, ...]
     dtype: str
     exact_inputs: bool = False
+    skip: bool = True
     engine: Engine | None = None
     shader: ForeignShader | None = None

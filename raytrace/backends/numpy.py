@@ -5,7 +5,6 @@ blocks. A branch computes only the pixels that take it. Every pixel's bits are t
 elementwise functions do not care where in an array a number stands.
 """
 
-import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from raytrace.backends.job import Job
+from raytrace.cores import cores
 from raytrace.shader.control import Engine, running
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import pixels
@@ -68,7 +68,7 @@ class Renderer:
         images = {name: _empty(name, count, self.job.frame.width, self.job.dtype) for name in self.job.keep}
         rows = max(1, BLOCK // self.job.frame.width)
         starts = range(0, count, rows)
-        pool = ThreadPoolExecutor(_cores())
+        pool = ThreadPoolExecutor(cores())
         try:
             for block in [pool.submit(self._fill, images, first, slice(start, start + rows)) for start in starts]:
                 block.result()
@@ -83,7 +83,7 @@ class Renderer:
         height = len(next(iter(parts.values())))
         column = np.arange(self.job.frame.width, dtype=self.job.dtype)[None, :]
         row = np.arange(first + rows.start, first + rows.start + height, dtype=self.job.dtype)[:, None]
-        with running(self.job.engine or _MASKED), np.errstate(all="ignore"):
+        with running(self.job.engine or (_MASKED if self.job.skip else Engine())), np.errstate(all="ignore"):
             steps = pixels(self.uniforms, self.job.program, column, row, self.job.frame, self.job.keep)
         for name, part in parts.items():
             if COMPONENTS[name] == 1:
@@ -97,8 +97,3 @@ def _empty(name: str, height: int, width: int, dtype: str) -> np.ndarray:
     components = COMPONENTS[name]
     shape = (height, width) if components == 1 else (height, width, components)
     return np.empty(shape, np.int32 if name == "index" else dtype)
-
-
-def _cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,9 +1,7 @@
-"""What the shader's control words become under JAX.
+"""What the shader's control words become under JAX, translated plainly.
 
 XLA's CPU compiler copies cheap producers into every consumer, so that a whole frame under one plain `jit` computes
-its innermost loops over and over. What stands in the body of a `lax.cond` is not fused with what is outside. So
-every step of the shader becomes such a body, and where its condition holds for no pixel of a block, it is skipped.
-Blocks of rows keep the planes between the steps in the cache.
+its innermost loops over and over. `raytrace.backends.jax.staged` does better.
 """
 
 from collections.abc import Callable
@@ -18,7 +16,7 @@ from raytrace.shader.control import Engine, count
 from raytrace.shader.glsl import select
 from raytrace.shader.hit import Hit
 
-__all__ = ["OneProgram", "Staged"]
+__all__ = ["OneProgram", "shaped"]
 
 
 @dataclass(frozen=True)
@@ -45,12 +43,14 @@ class OneProgram(Engine):
             return body(state, i, jax.tree.map(lambda leaf: leaf[i], loop_items), *loop_args)
 
         shape = jax.eval_shape(lambda state: turn(0, state), start)
-        state = lax.fori_loop(0, count(items), lambda i, state: _shaped(turn(i, state), shape), _shaped(start, shape))
+        state = lax.fori_loop(0, count(items), lambda i, state: shaped(turn(i, state), shape), shaped(start, shape))
         if not one_decides:
             return state
-        index = state.index
-        winner = body(start, index, self.at(items, index), *args)
-        return select(index >= 0, winner, start)
+        return self.winner(items, body, start, state.index, args)
+
+    def winner(self, items: Any, body: Callable, start: Any, index: jax.Array, args: tuple) -> Any:
+        """What the one item that was hit makes of `start`: equal to the loop's result, and differentiable."""
+        return select(index >= 0, body(start, index, self.at(items, index), *args), start)
 
     def at(self, items: Any, index: jax.Array) -> Any:
         if count(items) > self.few:
@@ -64,42 +64,6 @@ class OneProgram(Engine):
         return lax.stop_gradient(x)
 
 
-@dataclass(frozen=True)
-class Staged(OneProgram):
-    """Every step is a kernel of its own; a side of a branch that no pixel of the block takes is not computed."""
-
-    block: int | None = 1 << 17
-
-    def step(self, function: Callable, args: tuple) -> Any:
-        leaves, tree = jax.tree.flatten(args, is_leaf=lambda part: not isinstance(part, tuple))
-        planes = [leaf for leaf in leaves if isinstance(leaf, jax.Array)]
-
-        def kernel(*planes: jax.Array) -> Any:
-            given = iter(planes)
-            return function(*tree.unflatten(next(given) if isinstance(leaf, jax.Array) else leaf for leaf in leaves))
-
-        # The barrier hides that the condition is always true.
-        return _computed_if(lax.optimization_barrier(True), kernel, jax.eval_shape(kernel, *planes), planes)
-
-    def branch(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
-        shapes = jax.tree.map(
-            lambda a, b: jax.ShapeDtypeStruct(jnp.broadcast_shapes(condition.shape, a.shape, b.shape), a.dtype),
-            jax.eval_shape(then, *args),
-            jax.eval_shape(other, *args),
-        )
-        chosen = _computed_if(jnp.any(condition), then, shapes, args)
-        rest = _computed_if(~jnp.all(condition), other, shapes, args)
-        return select(condition, chosen, rest)
-
-
-def _computed_if(needed: jax.Array, function: Callable, shapes: Any, args: Any) -> Any:
-    """`function(*args)` broadcast to `shapes`, or zeros where it is not `needed`; never fused with its callers."""
-
-    def skipped(*_: Any) -> Any:
-        return jax.tree.map(lambda shape: jnp.zeros(shape.shape, shape.dtype), shapes)
-
-    return lax.cond(needed, lambda *args: _shaped(function(*args), shapes), skipped, *args)
-
-
-def _shaped(tree: Any, shapes: Any) -> Any:
+def shaped(tree: Any, shapes: Any) -> Any:
+    """`tree` with its leaves broadcast to the shapes of those of `shapes`."""
     return jax.tree.map(lambda leaf, shape: jnp.broadcast_to(leaf, shape.shape), tree, shapes)

@@ -1,7 +1,8 @@
-"""A scene, compiled by JAX for blocks of rows, and rendered."""
+"""A scene, compiled by JAX, and rendered."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
@@ -9,96 +10,84 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
+from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from raytrace.backends.jax.engines import OneProgram, Staged
+from raytrace.backends.jax.devices import ask_for_all_cores, mesh
+from raytrace.backends.jax.drawing import draw, engine_of
+from raytrace.backends.jax.packing import Layout, pack
+from raytrace.backends.jax.staged import MANY, Culling, Staged, culling
 from raytrace.backends.job import Job
 from raytrace.errors import InputError
-from raytrace.shader.control import running
-from raytrace.shader.main import COMPONENTS
-from raytrace.shader.pixel import pixels
+from raytrace.shader.control import count
 from raytrace.shader.uniforms import Uniforms
 
 __all__ = ["Renderer"]
 
-_STAGED = Staged()
+#: XLA would use half of the width that a vector register of a newer CPU has.
+OPTIONS = {"xla_cpu_prefer_vector_width": 512}
+
+_drawn = jax.jit(draw, static_argnums=(0, 1, 2, 3), compiler_options=OPTIONS)
 
 
-class _Blocks(NamedTuple):
-    """`count` blocks of `rows` rows."""
-
-    rows: int
-    count: int
-
-
-def _engine(job: Job) -> OneProgram:
-    return job.engine or _STAGED
+@partial(jax.jit, static_argnums=(0, 1, 2, 3), compiler_options=OPTIONS)
+def _drawn_packed(
+    job: Job, rows: int, devices: Mesh, layout: Layout, numbers: jax.Array, culled: Any, everything: Any, first: Any
+) -> dict[str, jax.Array]:
+    return draw(job, rows, devices, False, layout.unpack(numbers), culled, everything, first)
 
 
-def _blocks(job: Job, rows: int) -> _Blocks:
-    """Blocks for at least `rows` rows, as equal as can be, none of more pixels than the engine asks for."""
-    most = _engine(job).block
-    largest = rows if most is None else max(1, most // job.frame.width)
-    blocks = -(-rows // largest)
-    return _Blocks(-(-rows // blocks), blocks)
-
-
-@partial(jax.jit, static_argnums=(0, 1))
-def _draw(job: Job, blocks: _Blocks, uniforms: Uniforms, first: jax.Array) -> dict[str, jax.Array]:
-    """The steps for the rows of all blocks, from row `first` on."""
-    column = jnp.arange(job.frame.width, dtype=job.dtype)[None, :]
-
-    # In reverse mode a block is computed again rather than kept.
-    @jax.checkpoint
-    def block(uniforms: Uniforms, start: jax.Array) -> dict[str, jax.Array]:
-        row = (start + jnp.arange(blocks.rows, dtype=jnp.int32)).astype(job.dtype)[:, None]
-        with running(_engine(job)):
-            steps = pixels(uniforms, job.program, column, row, job.frame, job.keep)
-        shape = (blocks.rows, job.frame.width)
-        return {name: _interleaved(getattr(steps, name), name, shape) for name in job.keep}
-
-    starts = first + blocks.rows * jnp.arange(blocks.count, dtype=jnp.int32)
-    images = lax.map(partial(block, uniforms), starts)
-    return jax.tree.map(lambda image: image.reshape(-1, *image.shape[2:]), images)
-
-
-def _interleaved(planes: Any, name: str, shape: tuple[int, int]) -> jax.Array:
-    if COMPONENTS[name] == 1:
-        return jnp.broadcast_to(planes, shape)
-    return jnp.stack([jnp.broadcast_to(plane, shape) for plane in planes], axis=-1)
+@partial(jax.jit, static_argnums=(0, 1), compiler_options=OPTIONS)
+def _culled(job: Job, layout: Layout, numbers: jax.Array) -> Culling:
+    return culling(layout.unpack(numbers), job.program)
 
 
 @lru_cache(maxsize=64)
-def _compiled(job: Job, blocks: _Blocks, tree: Any, shapes: tuple[tuple[int, ...], ...], device: Any) -> Callable:
-    """The program of `job` for uniforms of these shapes, whatever their values; `device` is JAX's default one."""
-    uniforms = tree.unflatten(jax.ShapeDtypeStruct(shape, job.dtype) for shape in shapes)
-    return _draw.lower(job, blocks, uniforms, jax.ShapeDtypeStruct((), np.int32)).compile()
+def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -> Callable:
+    """The program for uniforms of that layout, whatever their values. `culled`: the shapes, hashable, or ``None``."""
+    everywhere = NamedSharding(devices, PartitionSpec())
+
+    def given(shape: tuple[int, ...], dtype: Any) -> jax.ShapeDtypeStruct:
+        return jax.ShapeDtypeStruct(shape, dtype, sharding=everywhere)
+
+    if culled is not None:
+        tree, shapes = culled
+        culled = tree.unflatten(given(shape, dtype) for shape, dtype in shapes)
+    numbers = given((layout.size,), job.dtype)
+    scalars = given((), np.bool_), given((), np.int32)
+    return _drawn_packed.lower(job, rows, devices, layout, numbers, culled, *scalars).compile()
 
 
-def _given(x: Any, dtype: str, exact: bool) -> jax.Array:
-    """A uniform as the program gets it: rounded once to float32 unless `exact`, then in `dtype`.
+def _given(x: jax.Array, dtype: str, exact: bool) -> jax.Array:
+    """A traced uniform as the program gets it: rounded once to float32 unless `exact`, then in `dtype`.
 
     The gradient passes the rounding as if it were not there.
     """
     if not isinstance(x, jax.core.Tracer):
-        return jnp.asarray(np.asarray(x, np.float64 if exact else np.float32), dtype=dtype)
+        return jnp.asarray(_rounded(x, exact), dtype=dtype)
     if not exact and x.dtype == jnp.float64 and dtype == "float64":
         # Neighbours' difference is exact, and so is the sum.
         return x + lax.stop_gradient(x.astype(jnp.float32).astype(dtype) - x)
     return x.astype(dtype)
 
 
+def _rounded(x: Any, exact: bool) -> np.ndarray:
+    return np.asarray(x, np.float64 if exact else np.float32)
+
+
 class Renderer:
     """A scene, ready to be rendered; see `raytrace.backends.Renderer`.
 
     The uniforms may be traced, as in a `jax.grad` of the image. Arrays are JAX's, but for float64 while JAX's
-    x64 mode is off: then they are NumPy's.
+    x64 mode is off: then they are NumPy's. Where there are several devices each has some columns of the image.
 
     Raises:
         InputError: float64 is asked of a trace without x64.
     """
 
     def __init__(self, uniforms: Uniforms, job: Job):
-        self.job = job
+        ask_for_all_cores()
+        #: What the program depends on: not the switch that it is given when it runs.
+        self.job, self.everything = replace(job, skip=True, exact_inputs=False), not job.skip
         self.traced = any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(uniforms))
         #: float64 without x64 mode: switched on for as long as it takes.
         self.borrows_x64 = job.dtype == "float64" and not jax.config.jax_enable_x64
@@ -106,33 +95,47 @@ class Renderer:
             raise InputError(
                 "dtype float64: JAX is tracing in 32 bit; set jax_enable_x64, or trace within jax.enable_x64(True)"
             )
-        with self._outside():
+        self.devices = mesh() if isinstance(engine_of(job), Staged) else Mesh(mesh().devices[:1], mesh().axis_names)
+        if self.traced:
             self.uniforms = jax.tree.map(partial(_given, dtype=job.dtype, exact=job.exact_inputs), uniforms)
+        else:
+            rounded = jax.tree.map(partial(_rounded, exact=job.exact_inputs), uniforms)
+            self.numbers, self.layout = pack(rounded, job.dtype)
+            self.many = isinstance(engine_of(job), Staged) and count(uniforms.spheres) > MANY
 
     def about(self) -> dict[str, str]:
-        device = jax.config.jax_default_device or jax.devices()[0]
+        device = self.devices.devices.flat[0]
         return {"renderer": f"JAX {jax.__version__} on {getattr(device, 'device_kind', device)}"}
 
     def compile(self, count: int) -> None:
         """Compiles the program for `count` rows at a time, which `draw` does otherwise."""
         if not self.traced:
             with self._outside():
-                self._program(_blocks(self.job, count))
+                self._program(count, self._prepared())
 
     def draw(self, first: int, count: int) -> dict[str, Any]:
-        blocks = _blocks(self.job, count)
+        first, everything = np.int32(first), np.bool_(self.everything)
         with self._outside():
             if self.traced:
-                images = _draw(self.job, blocks, self.uniforms, jnp.int32(first))
-            else:
-                images = self._program(blocks)(self.uniforms, np.int32(first))
-            images = {name: image[:count] for name, image in images.items()}
+                return _drawn(self.job, count, self.devices, True, self.uniforms, None, everything, first)
+            numbers, culled = prepared = self._prepared()
+            everything, first = jax.device_put((everything, first), self._everywhere())
+            images = self._program(count, prepared)(numbers, culled, everything, first)
             return jax.tree.map(np.asarray, images) if self.borrows_x64 else images
 
-    def _program(self, blocks: _Blocks) -> Callable:
-        leaves, tree = jax.tree.flatten(self.uniforms)
-        shapes = tuple(leaf.shape for leaf in leaves)
-        return _compiled(self.job, blocks, tree, shapes, jax.config.jax_default_device)
+    def _prepared(self) -> tuple[jax.Array, Culling | None]:
+        """The uniforms, and with many spheres what is prepared of them, on all devices."""
+        return _kept(self.job, self.layout, self.numbers, self.many, self._everywhere())
+
+    def _everywhere(self) -> NamedSharding:
+        return NamedSharding(self.devices, PartitionSpec())
+
+    def _program(self, rows: int, prepared: tuple) -> Callable:
+        _, culled = prepared
+        if culled is not None:
+            leaves, tree = jax.tree.flatten(culled)
+            culled = tree, tuple((leaf.shape, leaf.dtype) for leaf in leaves)
+        return _compiled(self.job, rows, self.devices, self.layout, culled)
 
     @contextmanager
     def _outside(self) -> Iterator[None]:
@@ -142,3 +145,26 @@ class Renderer:
             nullcontext() if self.traced else jax.ensure_compile_time_eval(),
         ):
             yield
+
+
+class _Last(NamedTuple):
+    """The scene that was prepared last: one picture is often followed by another of the same."""
+
+    key: tuple
+    numbers: np.ndarray
+    prepared: tuple
+
+
+_last: _Last | None = None
+
+
+def _kept(job: Job, layout: Layout, numbers: np.ndarray, many: bool, everywhere: NamedSharding) -> tuple:
+    global _last
+    key = job.program, job.dtype, layout, everywhere
+    last = _last
+    if last is not None and last.key == key and np.array_equal(last.numbers, numbers):
+        return last.prepared
+    on_devices = jax.device_put(numbers, everywhere)
+    culled = jax.device_put(_culled(job, layout, numbers), everywhere) if many else None
+    _last = _Last(key, numbers, (on_devices, culled))
+    return _last.prepared

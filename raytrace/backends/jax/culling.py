@@ -1,0 +1,188 @@
+"""Which spheres rays can meet, told from two coordinates.
+
+The rays of a picture either start at one point (a camera's: a pencil) or run in one direction (towards the sun, or an
+orthographic camera's: a beam). Either kind is two-dimensional. A pencil's ray is the point where it meets an image
+plane, a beam's ray the point where it meets a plane across its direction; a sphere is a rectangle there, and a ray
+outside the rectangle misses the sphere. Along a beam a third coordinate tells which spheres are behind a ray's start.
+
+A ray that misses must be one that the shader, in floating point, calls a miss. So spheres are made larger, and the
+blocks of rays wider, by more than all roundings together. With u half the machine epsilon, `ro - center` errs by
+u (|ro| + |center|) in each coordinate, b = dot(ro, rd) by 4 u D at a distance D, `nearest = ro - b * rd` by at most 12 u D,
+|rd|^2 by 6 u, and the squares by 4 u of themselves: together under 16 u (D + |ro| + |center|) in length for the robust
+formula. The textbook's ``b*b - c`` errs by at most 16 u D^2 + 2 u r^2, so there the *square* of the radius grows by
+that; the sign of t needs the same, since it hangs on ``|ro|^2 - r^2``. `SLACK` is twice that, in machine epsilons,
+and covers the roundings of this file's own arithmetic too.
+"""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+
+from raytrace.shader.glsl import Vec3, cross, dot, normalize
+from raytrace.shader.uniforms import Camera, Sphere
+
+__all__ = ["Beam", "Bounds", "Coordinates", "Pencil", "Region", "beam", "outside", "pencil"]
+
+#: What is added to a radius, in machine epsilons of the distances that enter.
+SLACK = 32
+#: A camera whose axes are nearer to lying in one plane than this has no coordinates to be trusted.
+FLATTEST = 1e-2
+
+
+class Bounds(NamedTuple):
+    """A rectangle for each sphere, and how far along the rays it reaches; arrays (n,). NaN bounds nothing."""
+
+    u_low: jax.Array
+    u_high: jax.Array
+    v_low: jax.Array
+    v_high: jax.Array
+    w_high: jax.Array
+
+
+class Coordinates(NamedTuple):
+    """Where rays are: planes. `error` is what u and v, and w, may err by, with all that hitting a sphere may err by."""
+
+    u: jax.Array
+    v: jax.Array
+    w: jax.Array
+    error: jax.Array
+    w_error: jax.Array
+
+
+class Region(NamedTuple):
+    """A rectangle that holds a block's rays, and the start of the rearmost; numbers of shape ()."""
+
+    u_low: jax.Array
+    u_high: jax.Array
+    v_low: jax.Array
+    v_high: jax.Array
+    w_low: jax.Array
+
+    @classmethod
+    def of(cls, where: Coordinates, among: jax.Array) -> "Region":
+        """The region of those rays for which `among` holds; an empty one where there are none."""
+        low = lambda x, e: jnp.min(jnp.where(among, x - e, jnp.inf))  # noqa: E731
+        high = lambda x, e: jnp.max(jnp.where(among, x + e, -jnp.inf))  # noqa: E731
+        u, v, w, error, w_error = where
+        return cls(low(u, error), high(u, error), low(v, error), high(v, error), low(w, w_error))
+
+
+def outside(bounds: Bounds, region: Region) -> jax.Array:
+    """Whether no ray of the region can meet the sphere of these bounds; False where either is NaN."""
+    return (
+        (bounds.u_high < region.u_low)
+        | (bounds.u_low > region.u_high)
+        | (bounds.v_high < region.v_low)
+        | (bounds.v_low > region.v_high)
+        | (bounds.w_high < region.w_low)
+    )
+
+
+class Pencil(NamedTuple):
+    """Rays from `apex`; `x`, `y`, `z` are the rows of the inverse of the matrix (x, y, 1) -> direction.
+
+    So a direction's coordinates are those of its pixel, in [-1, 1].
+    """
+
+    apex: Vec3
+    x: Vec3
+    y: Vec3
+    z: Vec3
+
+    def coordinates(self, ro: Vec3, rd: Vec3, quadratic: bool) -> Coordinates:
+        forward = dot(self.z, rd)
+        u, v = dot(self.x, rd) / forward, dot(self.y, rd) / forward
+        widest = jnp.maximum(_length(self.x), _length(self.y)) + jnp.maximum(abs(u), abs(v)) * _length(self.z)
+        error = SLACK * _epsilon(u) * widest / forward
+        none = jnp.zeros((), u.dtype)
+        return Coordinates(u, v, none, jnp.where(forward > 0, error, jnp.inf), none)
+
+    def bounds(self, spheres: Sphere, quadratic: bool) -> Bounds:
+        center = spheres.center - self.apex
+        distance = _length(center)
+        slack = SLACK * _epsilon(distance)
+        radius = spheres.radius
+        grown = jnp.sqrt(radius * radius + slack * distance * distance)
+        extra = slack * (distance + radius + _size(spheres.center) + _size(self.apex))
+        reach = (grown if quadratic else radius) + extra
+        forward, flat = dot(self.z, center), _length(self.z)
+        depth = forward - reach * flat
+
+        def interval(axis: Vec3) -> tuple[jax.Array, jax.Array]:
+            """|dot(axis, c) - x * dot(z, c)| <= reach * |axis - x * z| solved for x, without cancellation."""
+            middle = dot(axis, center) / forward
+            half = reach * _length(axis - middle * self.z) / depth
+            # The apex plane cuts the sphere: it may be anywhere.
+            unbounded = ~(depth > slack * distance * flat)
+            return jnp.where(unbounded, -jnp.inf, middle - half), jnp.where(unbounded, jnp.inf, middle + half)
+
+        behind = forward + (grown + extra) * flat < -slack * distance * flat
+        (u_low, u_high), (v_low, v_high) = interval(self.x), interval(self.y)
+        return Bounds(u_low, u_high, v_low, v_high, jnp.where(behind, -jnp.inf, jnp.inf))
+
+
+class Beam(NamedTuple):
+    """Rays along the unit vector `direction`; `x` and `y` are unit vectors across it."""
+
+    x: Vec3
+    y: Vec3
+    direction: Vec3
+
+    def coordinates(self, ro: Vec3, rd: Vec3, quadratic: bool) -> Coordinates:
+        size = _size(ro)
+        linear = SLACK * _epsilon(size) * size
+        # sqrt(r^2 + k (D + S)^2) <= sqrt(r^2 + 2 k D^2) + sqrt(2 k) S: the sphere takes one part, the ray the other.
+        square = linear + (2 * SLACK * _epsilon(size)) ** 0.5 * size
+        return Coordinates(
+            dot(self.x, ro), dot(self.y, ro), dot(self.direction, ro), square if quadratic else linear, square
+        )
+
+    def bounds(self, spheres: Sphere, quadratic: bool) -> Bounds:
+        center, radius = spheres.center, spheres.radius
+        size = _size(center)
+        slack = SLACK * _epsilon(size)
+        grown = jnp.sqrt(radius * radius + 2 * slack * size * size)
+        extra = slack * (size + radius)
+        reach = (grown if quadratic else radius) + extra
+        u, v, w = dot(self.x, center), dot(self.y, center), dot(self.direction, center)
+        return Bounds(u - reach, u + reach, v - reach, v + reach, w + grown + extra)
+
+
+def pencil(camera: Camera) -> Pencil:
+    """The rays of a perspective camera (`raytrace.shader.camera.primary_ray`)."""
+    turn, columns = camera.view_to_world.mat3, camera.ndc_to_view
+    a, b, c = turn * columns.x.xyz, turn * columns.y.xyz, turn * (columns.z.xyz + columns.w.xyz)
+    # Each axis is scaled to unit length, so that nothing overflows, and back.
+    lengths = [_length(axis) for axis in (a, b, c)]
+    a, b, c = (axis / length for axis, length in zip((a, b, c), lengths, strict=True))
+    rows = cross(b, c), cross(c, a), cross(a, b)
+    volume = dot(a, rows[0])
+    volume = jnp.where(abs(volume) > FLATTEST, volume, jnp.nan)
+    x, y, z = (row / (volume * length) for row, length in zip(rows, lengths, strict=True))
+    return Pencil(camera.view_to_world.w.xyz, x, y, z)
+
+
+def beam(direction: Vec3) -> Beam:
+    """The rays along `direction`, of any length but 0."""
+    direction = normalize(direction)
+    size = Vec3(*(abs(component) for component in direction))
+    # The axis that is farthest from the direction is surely not along it.
+    along_x = (size.x <= size.y) & (size.x <= size.z)
+    along_y = ~along_x & (size.y <= size.z)
+    axis = Vec3(*(jnp.where(choice, 1, 0).astype(size.x.dtype) for choice in (along_x, along_y, ~(along_x | along_y))))
+    x = normalize(cross(axis, direction))
+    return Beam(x, cross(direction, x), direction)
+
+
+def _length(v: Vec3) -> jax.Array:
+    return jnp.sqrt(dot(v, v))
+
+
+def _size(v: Vec3) -> jax.Array:
+    """The sum of the components' sizes, which is at least the length and needs no root."""
+    return abs(v.x) + abs(v.y) + abs(v.z)
+
+
+def _epsilon(x: jax.Array) -> float:
+    return float(jnp.finfo(x.dtype).eps)

@@ -1,0 +1,114 @@
+"""The program that draws: from uniforms to pictures, on one device or several, a tile after another."""
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax.sharding import Mesh, PartitionSpec
+
+from raytrace.backends.jax.devices import AXIS
+from raytrace.backends.jax.engines import OneProgram
+from raytrace.backends.jax.staged import Culling, Staged, culling
+from raytrace.backends.jax.tiles import Tiles
+from raytrace.backends.job import Job
+from raytrace.shader.control import running
+from raytrace.shader.main import COMPONENTS
+from raytrace.shader.pixel import pixels
+from raytrace.shader.uniforms import Uniforms
+
+__all__ = ["draw", "engine_of"]
+
+Images = dict[str, jax.Array]
+
+_STAGED = Staged()
+
+
+def engine_of(job: Job) -> OneProgram:
+    """The engine that the job asks for, or the fast one."""
+    return job.engine or _STAGED
+
+
+def draw(
+    job: Job,
+    rows: int,
+    devices: Mesh,
+    differentiated: bool,
+    uniforms: Uniforms,
+    culled: Culling | None,
+    everything: Any,
+    first: Any,
+) -> Images:
+    """The steps that the job keeps, for `rows` rows from row `first` on: arrays (rows, width[, components]).
+
+    culled: what `raytrace.backends.jax.staged.culling` gives, or ``None`` to have it computed here.
+    everything: whether to skip nothing. differentiated: whether JAX is to differentiate the pictures.
+    """
+    if culled is None and isinstance(engine_of(job), Staged):
+        culled = culling(uniforms, job.program)
+    width = job.frame.width
+    # Each device has some columns of every row, which share the sky and the ground about equally.
+    columns = -(-width // devices.size)
+
+    def part(device: jax.Array, *args: Any) -> Images:
+        return _part(job, Tiles.of(rows, columns, engine_of(job).block), device[0] * columns, differentiated, *args)
+
+    numbers, args = jnp.arange(devices.size, dtype=jnp.int32), (uniforms, culled, everything, first)
+    if devices.size > 1:
+        everyone = jax.tree.map(lambda _: PartitionSpec(), args)
+        part = jax.shard_map(
+            part,
+            mesh=devices,
+            in_specs=(PartitionSpec(AXIS), *everyone),
+            out_specs=PartitionSpec(None, AXIS),
+            check_vma=False,
+        )
+
+    def trimmed(name: str, image: jax.Array) -> jax.Array:
+        image = image if image.shape[1] == width else image[:, :width]
+        return image if COMPONENTS[name] > 1 else image.reshape(rows, width)
+
+    return {name: trimmed(name, image) for name, image in part(numbers, *args).items()}
+
+
+def _part(
+    job: Job,
+    tiles: Tiles,
+    first_column: jax.Array,
+    differentiated: bool,
+    uniforms: Uniforms,
+    culled: Culling | None,
+    everything: Any,
+    first_row: Any,
+) -> Images:
+    """One device's part, all of `tiles`: arrays (rows, columns, components)."""
+    engine = engine_of(job)
+
+    def tile(row: jax.Array, column: jax.Array) -> Images:
+        at = engine
+        if isinstance(engine, Staged):
+            at = engine.at_block(job.program, culled, everything, differentiated)
+        rows, columns = tiles.pixels(row + first_row, column + first_column)
+        with running(at):
+            # In a step of its own, so that no other kernel counts the pixels again.
+            x, y = at.step(_floats, (columns, rows, jnp.zeros((), job.dtype)))
+            steps = pixels(uniforms, job.program, x, y, job.frame, job.keep)
+
+        def images(steps: Any) -> Images:
+            return {name: _interleaved(getattr(steps, name), tiles) for name in job.keep}
+
+        return at.step(images, (steps,))
+
+    return (tiles.map if differentiated else tiles.draw)(tile)
+
+
+def _floats(column: jax.Array, row: jax.Array, like: jax.Array) -> tuple[jax.Array, jax.Array]:
+    return column.astype(like.dtype), row.astype(like.dtype)
+
+
+def _interleaved(planes: Any, tiles: Tiles) -> jax.Array:
+    """A plane or a vector of planes of a tile's pixels as an array (height, width, components)."""
+    planes = planes if isinstance(planes, tuple) else (planes,)
+    size = tiles.tile_height * tiles.tile_width
+    # XLA's fastest way to interleave on a CPU is a transposition.
+    together = jnp.stack([jnp.broadcast_to(plane, (size,)) for plane in planes])
+    return together.T.reshape(tiles.tile_height, tiles.tile_width, len(planes))

@@ -1,0 +1,238 @@
+"""The engine that is fast: a block of the picture at a time, every step a kernel of its own, and nothing in vain.
+
+What stands in the body of a `lax.cond` is not fused with what is outside (see `raytrace.backends.jax.engines` for why
+that matters), and where its condition holds for no pixel of the block it is not computed. So each step of the shader is
+such a body, each side of a branch is computed where a pixel takes it, and a loop over spheres runs over those that the
+block's rays can meet.
+"""
+
+from collections.abc import Callable
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+from raytrace.backends.jax.culling import Beam, Bounds, Pencil, Region, beam, outside, pencil
+from raytrace.backends.jax.engines import OneProgram, shaped
+from raytrace.backends.jax.grid import Grid, grid, runs
+from raytrace.shader.control import count
+from raytrace.shader.glsl import select
+from raytrace.shader.hit import Hit
+from raytrace.shader.uniforms import Program, Sphere, Uniforms
+
+__all__ = ["Culling", "Staged", "Visible", "culling"]
+
+#: With more spheres than this the small ones are in grids.
+MANY = 256
+#: So many spheres are asked at a time whether a block's rays can meet them.
+CHUNK = 1024
+
+
+class Visible(NamedTuple):
+    """What one kind of rays can meet: their coordinates, the spheres' rectangles there, and a grid if there are many."""
+
+    rays: Pencil | Beam
+    bounds: Bounds
+    grid: Grid | None
+
+
+class Culling(NamedTuple):
+    """For the rays of the camera, and for those to the sun; ``None`` where there are no such rays or no spheres."""
+
+    primary: Visible | None
+    shadow: Visible | None
+
+
+def culling(uniforms: Uniforms, program: Program) -> Culling:
+    """What is prepared once for all blocks of a picture."""
+    # Which spheres are looked at has no derivative.
+    uniforms = lax.stop_gradient(uniforms)
+    spheres = uniforms.spheres
+    if spheres is None:
+        return Culling(None, None)
+
+    def visible(rays: Pencil | Beam) -> Visible:
+        bounds = rays.bounds(spheres, program.intersection == "textbook")
+        return Visible(rays, bounds, grid(rays, bounds) if count(spheres) > MANY else None)
+
+    to_world = uniforms.camera.view_to_world
+    primary = beam(-to_world.z.xyz) if program.orthographic else pencil(uniforms.camera)
+    return Culling(visible(primary), visible(beam(uniforms.sun.direction)) if program.lighting == "shadow" else None)
+
+
+@dataclass(frozen=True)
+class Staged(OneProgram):
+    """The settings; `at_block` makes the engine itself."""
+
+    #: Pixels of a block, about.
+    block: int | None = 1 << 13
+
+    def at_block(self, program: Program, culling: Culling, everything: Any, differentiated: bool) -> "Block":
+        return Block(self.few, program, culling, everything, differentiated)
+
+
+class Block(OneProgram):
+    """The engine for one block of pixels, made anew in each trace: it holds what that trace computes.
+
+    everything: where true, nothing is skipped: all branches are computed and all lists are full. The bits are the same.
+    differentiated: whether the picture is being differentiated.
+    """
+
+    def __init__(self, few: int, program: Program, culling: Culling, everything: Any, differentiated: bool):
+        super().__init__(few=few)
+        self.__dict__.update(
+            quadratic=program.intersection == "textbook",
+            culling=culling,
+            everything=everything,
+            differentiated=differentiated,
+            active=None,
+        )
+
+    def step(self, function: Callable, args: tuple) -> Any:
+        leaves, tree = jax.tree.flatten(args, is_leaf=lambda part: not isinstance(part, tuple))
+        planes = [leaf for leaf in leaves if isinstance(leaf, jax.Array)]
+
+        def kernel(*planes: jax.Array) -> Any:
+            given = iter(planes)
+            return function(*tree.unflatten(next(given) if isinstance(leaf, jax.Array) else leaf for leaf in leaves))
+
+        # The barrier hides that the condition is always true.
+        return computed_if(lax.optimization_barrier(True), kernel, jax.eval_shape(kernel, *planes), planes)
+
+    def branch(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
+        shapes = jax.tree.map(
+            lambda a, b: jax.ShapeDtypeStruct(jnp.broadcast_shapes(condition.shape, a.shape, b.shape), a.dtype),
+            jax.eval_shape(then, *args),
+            jax.eval_shape(other, *args),
+        )
+        sides = []
+        for taken, function in ((condition, then), (~condition, other)):
+            with self._among(taken) as active:
+                sides.append(computed_if(jnp.any(active) | self.everything, function, shapes, args))
+        return select(condition, *sides)
+
+    def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
+        nearest = isinstance(start, Hit)
+        visible = self.culling.primary if nearest else self.culling.shadow
+        if not isinstance(items, Sphere) or visible is None:
+            return super().each(items, body, start, args, unroll)
+        loop_items, loop_args = lax.stop_gradient((items, args))
+        loop = _Loop(self, visible, loop_items, body, nearest, loop_args)
+        shape = jax.eval_shape(lambda state: body(state, 0, jax.tree.map(lambda leaf: leaf[0], items), *args), start)
+        state = loop.run(shaped(start, shape))
+        if not (nearest and self.differentiated):
+            return state
+        return self.winner(items, body, start, state.index, args)
+
+    @contextmanager
+    def _among(self, condition: jax.Array):
+        """Within this context only those pixels for which `condition` holds are of interest."""
+        before = self.active
+        self.__dict__["active"] = condition if before is None else before & condition
+        try:
+            yield self.active
+        finally:
+            self.__dict__["active"] = before
+
+
+class _Loop(NamedTuple):
+    """``each`` over spheres: first those that the block's rays may meet one by one, then those of each ray's cells."""
+
+    engine: Block
+    visible: Visible
+    spheres: Sphere
+    body: Callable
+    nearest: bool
+    args: tuple
+
+    def run(self, state: Any) -> Any:
+        n, grid = count(self.spheres), self.visible.grid
+        plane = state.t if self.nearest else state
+        active = jnp.ones(plane.shape, bool) if self.engine.active is None else self.engine.active
+        active = jnp.broadcast_to(active, plane.shape)
+        where = self.visible.rays.coordinates(*self.args, self.engine.quadratic)
+        where = shaped(where, jax.tree.map(lambda x: jax.ShapeDtypeStruct(plane.shape, x.dtype), where))
+        region = Region.of(where, active)
+        size = min(n, CHUNK)
+        if grid is None:
+            return self._listed(jnp.arange(n, dtype=jnp.int32), jnp.ones(n, bool), region, active, state)
+        # The large ones are the last of the order.
+        padded = jnp.pad(grid.order, (0, size))
+
+        def of_chunk(k: jax.Array, state: Any) -> Any:
+            first = grid.small + k * size
+            indices = lax.dynamic_slice(padded, (first,), (size,))
+            return self._listed(indices, first + jnp.arange(size) < n, region, active, state)
+
+        state = lax.fori_loop(0, -(-grid.large // size), of_chunk, state)
+        return self._in_cells(grid, where, active, state)
+
+    def _listed(self, indices: jax.Array, given: jax.Array, region: Region, active: jax.Array, state: Any) -> Any:
+        """Over those of the spheres numbered `indices` that a ray of the region can meet."""
+        bounds = jax.tree.map(lambda leaf: leaf[indices], self.visible.bounds)
+        wanted = given & (self.engine.everything | ~outside(bounds, region))
+        n = count(self.spheres)
+        listed = jnp.sort(jnp.where(wanted, indices, n))
+        number = jnp.sum(wanted, dtype=jnp.int32)
+
+        def turn(k: jax.Array, state: Any) -> Any:
+            i = listed[k]
+            return self._turn(i, jax.tree.map(lambda leaf: leaf[i], self.spheres), state)
+
+        return self._while_needed(lambda _: number, active, turn, state)
+
+    def _in_cells(self, grid: Grid, where: Any, active: jax.Array, state: Any) -> Any:
+        """Over the small spheres, each ray over those of its own cells."""
+        spheres = jax.tree.map(lambda leaf: leaf[grid.order], self.spheres)
+        first, end = (
+            jnp.stack(each) for each in zip(*runs(grid, where, active, self.engine.everything, count(self.spheres)))
+        )
+
+        def of_run(run: jax.Array, state: Any) -> Any:
+            begin, length = first[run], end[run] - first[run]
+
+            def turn(k: jax.Array, state: Any) -> Any:
+                there = k < length
+                place = jnp.where(there, begin + k, 0)
+                sphere = jax.tree.map(lambda leaf: leaf.at[place].get(mode="promise_in_bounds"), spheres)
+                changed = self._turn(grid.order.at[place].get(mode="promise_in_bounds"), sphere, state)
+                return select(there, changed, state)
+
+            return self._while_needed(lambda open: jnp.max(jnp.where(open, length, 0)), active, turn, state)
+
+        return lax.fori_loop(0, first.shape[0], of_run, state)
+
+    def _turn(self, i: jax.Array, sphere: Sphere, state: Any) -> Any:
+        changed = self.body(state, i, sphere, *self.args)
+        if self.nearest and self.visible.grid is not None:
+            # Grids are not in the spheres' order. Of spheres at equal t the last one in it wins all the same.
+            changed = select((changed.t == state.t) & (i < state.index), state, changed)
+        return shaped(changed, state)
+
+    def _while_needed(self, rounds: Callable, active: jax.Array, turn: Callable, state: Any) -> Any:
+        """`turn(k, state)` for k from 0 to `rounds(open)`, as long as it can change an `active` ray that is open."""
+        if self.nearest:
+            return lax.fori_loop(0, rounds(active), turn, state)
+
+        def rounds_left(blocked: jax.Array) -> jax.Array:
+            # One sphere is enough for a shadow.
+            open = active & ~blocked
+            return jnp.where(jnp.any(open) | self.engine.everything, rounds(open | self.engine.everything), 0)
+
+        def more(carry: tuple) -> jax.Array:
+            k, blocked = carry
+            return k < rounds_left(blocked)
+
+        return lax.while_loop(more, lambda carry: (carry[0] + 1, turn(*carry)), (jnp.int32(0), state))[1]
+
+
+def computed_if(needed: jax.Array, function: Callable, shapes: Any, args: Any) -> Any:
+    """`function(*args)` broadcast to `shapes`, or zeros where it is not `needed`; never fused with its callers."""
+
+    def skipped(*_: Any) -> Any:
+        return jax.tree.map(lambda shape: jnp.zeros(shape.shape, shape.dtype), shapes)
+
+    return lax.cond(needed, lambda *args: shaped(function(*args), shapes), skipped, *args)

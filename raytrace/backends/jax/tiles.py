@@ -1,0 +1,89 @@
+"""A part of a picture in tiles: each is drawn by itself, then all are put together."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+__all__ = ["Tiles"]
+
+#: One tile's images by name: arrays (height, width, components).
+Images = dict[str, jax.Array]
+
+
+class Tiles(NamedTuple):
+    """A picture of `height` x `width` pixels, cut into `down` x `across` tiles of `tile_height` x `tile_width`.
+
+    The tiles of the last row and column may stand over the picture's edge.
+    """
+
+    height: int
+    width: int
+    tile_height: int
+    tile_width: int
+
+    @classmethod
+    def of(cls, height: int, width: int, pixels: int | None) -> "Tiles":
+        """Tiles of about that many pixels, as equal as can be, twice as wide as high; ``None`` for a single one."""
+        if pixels is None:
+            return cls(height, width, height, width)
+        across = -(-width // max(1, round((2 * pixels) ** 0.5)))
+        tile_width = -(-width // across)
+        down = -(-height // max(1, pixels // tile_width))
+        return cls(height, width, -(-height // down), tile_width)
+
+    @property
+    def down(self) -> int:
+        return -(-self.height // self.tile_height)
+
+    @property
+    def across(self) -> int:
+        return -(-self.width // self.tile_width)
+
+    def _corner(self, i: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return i // self.across * self.tile_height, i % self.across * self.tile_width
+
+    def pixels(self, row: jax.Array, column: jax.Array) -> tuple[jax.Array, jax.Array]:
+        """Row and column of every pixel of the tile at that corner, one after the other."""
+        rows = lax.broadcasted_iota(jnp.int32, (self.tile_height, self.tile_width), 0).reshape(-1)
+        columns = lax.broadcasted_iota(jnp.int32, (self.tile_height, self.tile_width), 1).reshape(-1)
+        return row + rows, column + columns
+
+    def draw(self, tile: Callable[[jax.Array, jax.Array], Images]) -> Images:
+        """The picture of which `tile(row, column)` draws the tile with that corner.
+
+        Each tile is written to its place when it is ready. One that would stand over the edge is moved inside.
+        """
+        shapes = jax.eval_shape(tile, jnp.int32(0), jnp.int32(0))
+
+        def put(i: jax.Array, whole: Images) -> Images:
+            row, column = self._corner(i)
+            row = jnp.minimum(row, self.height - self.tile_height)
+            column = jnp.minimum(column, self.width - self.tile_width)
+
+            def placed(image: jax.Array, part: jax.Array) -> jax.Array:
+                # Two dimensions, so that what is copied are whole rows of a tile.
+                flat = part.reshape(self.tile_height, -1)
+                return lax.dynamic_update_slice(image, flat, (row, column * (flat.shape[1] // self.tile_width)))
+
+            return jax.tree.map(placed, whole, tile(row, column))
+
+        def empty(shape: Any) -> jax.Array:
+            return lax.empty((self.height, self.width * shape.shape[2]), shape.dtype)
+
+        whole = lax.fori_loop(0, self.down * self.across, put, jax.tree.map(empty, shapes))
+        return jax.tree.map(lambda image: image.reshape(self.height, self.width, -1), whole)
+
+    def map(self, tile: Callable[[jax.Array, jax.Array], Images]) -> Images:
+        """The same for what is to be differentiated: reverse mode computes each tile again rather than keep it."""
+        again = jax.checkpoint(tile)
+        tiles = lax.map(lambda i: again(*self._corner(i)), jnp.arange(self.down * self.across, dtype=jnp.int32))
+
+        def joined(image: jax.Array) -> jax.Array:
+            parts = image.reshape(self.down, self.across, *image.shape[1:])
+            whole = parts.swapaxes(1, 2).reshape(self.down * self.tile_height, self.across * self.tile_width, -1)
+            return whole[: self.height, : self.width]
+
+        return jax.tree.map(joined, tiles)
