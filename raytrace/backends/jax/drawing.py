@@ -35,13 +35,13 @@ def draw(
     differentiated: bool,
     uniforms: Uniforms,
     culled: Culling | None,
-    everything: Any,
+    mode: Any,
     first: Any,
 ) -> Images:
     """The steps that the job keeps, for `rows` rows from row `first` on: arrays (rows, width[, components]).
 
     culled: what `raytrace.backends.jax.staged.culling` gives, or ``None`` to have it computed here.
-    everything: whether to skip nothing. differentiated: whether JAX is to differentiate the pictures.
+    mode: 0, or 1 to skip nothing. differentiated: whether JAX is to differentiate the pictures.
     """
     if culled is None and isinstance(engine_of(job), Staged):
         culled = culling(uniforms, job.program)
@@ -52,7 +52,7 @@ def draw(
     def part(device: jax.Array, *args: Any) -> Images:
         return _part(job, Tiles.of(rows, columns, engine_of(job).block), device[0] * columns, differentiated, *args)
 
-    numbers, args = jnp.arange(devices.size, dtype=jnp.int32), (uniforms, culled, everything, first)
+    numbers, args = jnp.arange(devices.size, dtype=jnp.int32), (uniforms, culled, mode, first)
     if devices.size > 1:
         everyone = jax.tree.map(lambda _: PartitionSpec(), args)
         part = jax.shard_map(
@@ -77,7 +77,7 @@ def _part(
     differentiated: bool,
     uniforms: Uniforms,
     culled: Culling | None,
-    everything: Any,
+    mode: Any,
     first_row: Any,
 ) -> Images:
     """One device's part, all of `tiles`: arrays (rows, columns, components)."""
@@ -86,7 +86,7 @@ def _part(
     def tile(row: jax.Array, column: jax.Array) -> Images:
         at = engine
         if isinstance(engine, Staged):
-            at = engine.at_block(job.program, culled, everything, differentiated)
+            at = engine.at_block(job.program, culled, mode, differentiated)
         rows, columns = tiles.pixels(row + first_row, column + first_column)
         with running(at):
             # In a step of its own, so that no other kernel counts the pixels again.

@@ -31,9 +31,9 @@ _drawn = jax.jit(draw, static_argnums=(0, 1, 2, 3), compiler_options=OPTIONS)
 
 @partial(jax.jit, static_argnums=(0, 1, 2, 3), compiler_options=OPTIONS)
 def _drawn_packed(
-    job: Job, rows: int, devices: Mesh, layout: Layout, numbers: jax.Array, culled: Any, everything: Any, first: Any
+    job: Job, rows: int, devices: Mesh, layout: Layout, numbers: jax.Array, culled: Any, mode: Any, first: Any
 ) -> dict[str, jax.Array]:
-    return draw(job, rows, devices, False, layout.unpack(numbers), culled, everything, first)
+    return draw(job, rows, devices, False, layout.unpack(numbers), culled, mode, first)
 
 
 @partial(jax.jit, static_argnums=(0, 1), compiler_options=OPTIONS)
@@ -53,7 +53,7 @@ def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -
         tree, shapes = culled
         culled = tree.unflatten(given(shape, dtype) for shape, dtype in shapes)
     numbers = given((layout.size,), job.dtype)
-    scalars = given((), np.bool_), given((), np.int32)
+    scalars = given((), np.int32), given((), np.int32)
     return _drawn_packed.lower(job, rows, devices, layout, numbers, culled, *scalars).compile()
 
 
@@ -87,7 +87,7 @@ class Renderer:
     def __init__(self, uniforms: Uniforms, job: Job):
         ask_for_all_cores()
         #: What the program depends on: not the switch that it is given when it runs.
-        self.job, self.everything = replace(job, skip=True, exact_inputs=False), not job.skip
+        self.job, self.mode = replace(job, skip=True, exact_inputs=False), int(not job.skip)
         self.traced = any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(uniforms))
         #: float64 without x64 mode: switched on for as long as it takes.
         self.borrows_x64 = job.dtype == "float64" and not jax.config.jax_enable_x64
@@ -114,13 +114,13 @@ class Renderer:
                 self._program(count, self._prepared())
 
     def draw(self, first: int, count: int) -> dict[str, Any]:
-        first, everything = np.int32(first), np.bool_(self.everything)
+        first, mode = np.int32(first), np.int32(self.mode)
         with self._outside():
             if self.traced:
-                return _drawn(self.job, count, self.devices, True, self.uniforms, None, everything, first)
+                return _drawn(self.job, count, self.devices, True, self.uniforms, None, mode, first)
             numbers, culled = prepared = self._prepared()
-            everything, first = jax.device_put((everything, first), self._everywhere())
-            images = self._program(count, prepared)(numbers, culled, everything, first)
+            mode, first = jax.device_put((mode, first), self._everywhere())
+            images = self._program(count, prepared)(numbers, culled, mode, first)
             return jax.tree.map(np.asarray, images) if self.borrows_x64 else images
 
     def _prepared(self) -> tuple[jax.Array, Culling | None]:

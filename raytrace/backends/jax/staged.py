@@ -70,23 +70,25 @@ class Staged(OneProgram):
     #: Pixels of a block, about.
     block: int | None = 1 << 13
 
-    def at_block(self, program: Program, culling: Culling, everything: Any, differentiated: bool) -> "Block":
-        return Block(self.few, program, culling, everything, differentiated)
+    def at_block(self, program: Program, culling: Culling, mode: Any, differentiated: bool) -> "Block":
+        return Block(self.few, program, culling, mode, differentiated)
 
 
 class Block(OneProgram):
     """The engine for one block of pixels, made anew in each trace: it holds what that trace computes.
 
-    everything: where true, nothing is skipped: all branches are computed and all lists are full. The bits are the same.
+    mode: 0, or 1 to skip nothing: then all branches are computed and all lists are full. The bits are the same.
     differentiated: whether the picture is being differentiated.
     """
 
-    def __init__(self, few: int, program: Program, culling: Culling, everything: Any, differentiated: bool):
+    def __init__(self, few: int, program: Program, culling: Culling, mode: Any, differentiated: bool):
         super().__init__(few=few)
         self.__dict__.update(
             quadratic=program.intersection == "textbook",
             culling=culling,
-            everything=everything,
+            everything=mode > 0,
+            # Always true, which the compiler must not know.
+            always=mode >= 0,
             differentiated=differentiated,
             active=None,
         )
@@ -99,8 +101,7 @@ class Block(OneProgram):
             given = iter(planes)
             return function(*tree.unflatten(next(given) if isinstance(leaf, jax.Array) else leaf for leaf in leaves))
 
-        # The barrier hides that the condition is always true.
-        return computed_if(lax.optimization_barrier(True), kernel, jax.eval_shape(kernel, *planes), planes)
+        return computed_if(self.always, kernel, jax.eval_shape(kernel, *planes), planes)
 
     def branch(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
         shapes = jax.tree.map(

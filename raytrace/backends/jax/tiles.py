@@ -57,23 +57,29 @@ class Tiles(NamedTuple):
         Each tile is written to its place when it is ready. One that would stand over the edge is moved inside.
         """
         shapes = jax.eval_shape(tile, jnp.int32(0), jnp.int32(0))
+        corners = [
+            jnp.array([min(i * side, end - side) for i in range(-(-end // side))], jnp.int32)
+            for side, end in ((self.tile_height, self.height), (self.tile_width, self.width))
+        ]
 
-        def put(i: jax.Array, whole: Images) -> Images:
-            row, column = self._corner(i)
-            row = jnp.minimum(row, self.height - self.tile_height)
-            column = jnp.minimum(column, self.width - self.tile_width)
+        def put(i: jax.Array, carry: tuple) -> tuple:
+            row, column, whole = carry
 
             def placed(image: jax.Array, part: jax.Array) -> jax.Array:
                 # Two dimensions, so that what is copied are whole rows of a tile.
                 flat = part.reshape(self.tile_height, -1)
-                return lax.dynamic_update_slice(image, flat, (row, column * (flat.shape[1] // self.tile_width)))
+                start = row, column * (flat.shape[1] // self.tile_width)
+                return lax.dynamic_update_slice(image, flat, start, allow_negative_indices=False)
 
-            return jax.tree.map(placed, whole, tile(row, column))
+            whole = jax.tree.map(placed, whole, tile(row, column))
+            # The next corner is carried: computed on the spot it would be computed for each pixel that is copied.
+            return corners[0][(i + 1) // self.across], corners[1][(i + 1) % self.across], whole
 
         def empty(shape: Any) -> jax.Array:
             return lax.empty((self.height, self.width * shape.shape[2]), shape.dtype)
 
-        whole = lax.fori_loop(0, self.down * self.across, put, jax.tree.map(empty, shapes))
+        start = jnp.int32(0), jnp.int32(0), jax.tree.map(empty, shapes)
+        _, _, whole = lax.fori_loop(0, self.down * self.across, put, start)
         return jax.tree.map(lambda image: image.reshape(self.height, self.width, -1), whole)
 
     def map(self, tile: Callable[[jax.Array, jax.Array], Images]) -> Images:
