@@ -1,8 +1,9 @@
 """Many spheres in the cells of grids over the two coordinates of rays (`raytrace.backends.jax.culling`).
 
-A sphere stands once, in the cell of its middle, in the finest grid whose cells are no smaller than half of it. So a
-ray that can meet it is in that cell or beside it: three runs of neighbours in each grid. A sphere too large for the
-coarsest grid is in none; those are few, and a block of rays asks each of them.
+There are grids of several cell sizes, and a sphere is in the finest one whose rows are no lower than half of it. It is in
+each row that it touches, three at most, at the column of its middle. A ray looks in its own row at a run of columns as
+wide as the grid's largest spheres. A sphere that is too large for the coarsest grid is in none; those are few, and a
+block of rays asks each of them.
 
 All of it is array code of shapes that depend on the number of spheres alone: other centres and radii, another camera or
 sun compile nothing again.
@@ -15,22 +16,24 @@ import jax.numpy as jnp
 
 from raytrace.backends.jax.culling import Beam, Bounds, Coordinates, Pencil, Region, outside
 
-__all__ = ["LEVELS", "ROWS", "Grid", "grid", "runs"]
+__all__ = ["Candidates", "Grid", "candidates", "grid"]
 
 LEVELS = 5
-#: Runs of neighbouring cells to look at in each level: the rows above, at and below.
+#: Rows that a sphere may touch.
 ROWS = 3
-#: How much larger than a cell a sphere's half may be, less this part of the finest cell; half of that for the rays' errors.
-ROOM = 1 / 8
+#: Columns are finer than rows: a run of many costs no more than one of few.
+FINE = 4
+#: A sphere and what its coordinates and a ray's may err by fit into a row; this part of it is for the ray's.
+ROOM = 1 / 16
 
 
 class Grid(NamedTuple):
     """The small spheres by cell, and the numbers of the large ones.
 
-    order: (n,) indices of spheres: those in cells, cell by cell; those that no ray meets; the large ones.
+    order: (ROWS * n,) indices of spheres: those in cells, cell by cell; those that no ray meets; the large ones.
     first: (cells + 1,) where in `order` each cell begins.
-    small, large: how many are in cells or met by no ray; how many are large.
-    u, v: lower corner; cell_u, cell_v: the finest cells' sizes.
+    small, large: how many entries are in cells or met by no ray; how many are large.
+    u, v: lower corner; cell_u, cell_v: the finest cells' sizes, a row's height and as many columns as are about as wide.
     box: holds every small sphere.
     """
 
@@ -45,54 +48,81 @@ class Grid(NamedTuple):
     box: Bounds
 
 
+class Candidates(NamedTuple):
+    """For each ray `total` places in a grid's `order` that hold all small spheres that it can meet; planes."""
+
+    #: Number k is at ``k + shifts[level]`` for the last level for which ``starts[level] <= k``.
+    starts: tuple[jax.Array, ...]
+    shifts: tuple[jax.Array, ...]
+    total: jax.Array
+
+    def place(self, k: jax.Array) -> jax.Array:
+        """Where number k is, for each ray; 0 where there are not so many."""
+        shift = self.shifts[0]
+        for start, other in zip(self.starts[1:], self.shifts[1:], strict=True):
+            shift = jnp.where(start <= k, other, shift)
+        return jnp.where(k < self.total, k + shift, 0)
+
+
 def _side(n: int) -> int:
-    """Cells along each side of the finest grid: about four cells a sphere."""
-    return min(2048, max(1 << LEVELS, 1 << (4 * n - 1).bit_length() // 2))
+    """Rows of the finest grid: about one sphere for each square of it."""
+    return min(2048, max(1 << LEVELS, 1 << ((n - 1).bit_length() + 1) // 2))
 
 
 def _offset(side: int, level: int) -> int:
-    return sum((side >> finer) ** 2 for finer in range(level))
+    return sum(FINE * (side >> finer) ** 2 for finer in range(level))
+
+
+def _row(x: jax.Array, low: jax.Array, cell: jax.Array, rows: int) -> jax.Array:
+    # It grows with x, rounding or not: what lies between two things is in a cell between theirs.
+    return jnp.clip(jnp.floor((x - low) / cell), 0, rows - 1).astype(jnp.int32)
 
 
 def grid(rays: Pencil | Beam, bounds: Bounds) -> Grid:
     """The grid for spheres of these bounds."""
     n = bounds.u_low.shape[0]
     side = _side(n)
-    dtype = bounds.u_low.dtype
     # A pencil's rays are those of pixels, in [-1, 1]; a little more, for the rounding of rays at the border.
     edge = 1.01 if isinstance(rays, Pencil) else jnp.inf
     unmet = outside(bounds, Region(-edge, edge, -edge, edge, -jnp.inf))
-    middles = [(low + high) / 2 for low, high in ((bounds.u_low, bounds.u_high), (bounds.v_low, bounds.v_high))]
-    halves = [(high - low) / 2 for low, high in ((bounds.u_low, bounds.u_high), (bounds.v_low, bounds.v_high))]
-    finite = jnp.isfinite(middles[0] + middles[1] + halves[0] + halves[1])
-    seen = finite & ~unmet
-    (u, cell_u), (v, cell_v) = (
-        _axis(middle, half, seen, side) for middle, half in zip(middles, halves, strict=True)
-    )
+    u, half_u = (bounds.u_low + bounds.u_high) / 2, (bounds.u_high - bounds.u_low) / 2
+    v, half_v = (bounds.v_low + bounds.v_high) / 2, (bounds.v_high - bounds.v_low) / 2
+    finite = jnp.isfinite(u + v + half_u + half_v)
+    low_u, cell_u = _axis(u, half_u, finite & ~unmet, side)
+    low_v, cell_v = _axis(v, half_v, finite & ~unmet, side)
 
-    # The coarsest level that is needed by either axis, as the number of levels whose cells are too small.
+    # The level is the number of grids whose cells are too small.
     level = jnp.zeros(n, jnp.int32)
-    for half, cell in zip(halves, (cell_u, cell_v), strict=True):
-        level = jnp.maximum(level, sum(half + ROOM * cell > cell * 2**k for k in range(LEVELS)).astype(jnp.int32))
+    for half, cell in ((half_u, cell_u), (half_v, cell_v)):
+        level = jnp.maximum(level, sum((half + 2 * ROOM * cell > cell * 2**k).astype(jnp.int32) for k in range(LEVELS)))
     large = ~unmet & (~finite | (level == LEVELS))
-    key = jnp.zeros(n, jnp.int32)
-    for k in range(LEVELS):
-        here = _offset(side, k) + _cell(middles[1], v, cell_v, side, k) * (side >> k) + _cell(
-            middles[0], u, cell_u, side, k
-        )
-        key = jnp.where(level == k, here, key)
     cells = _offset(side, LEVELS)
-    key = jnp.where(large, cells + 1, jnp.where(unmet, cells, key))
-    order = jnp.argsort(key, stable=True).astype(jnp.int32)
-    counts = jnp.zeros(cells + 2, jnp.int32).at[key].add(1)
-    first = jnp.concatenate([jnp.zeros(1, jnp.int32), jnp.cumsum(counts[:cells], dtype=jnp.int32)])
+    keys = [jnp.full(n, cells + 2, jnp.int32)] * ROWS
+    for k in range(LEVELS):
+        rows, width, height = side >> k, cell_u * 2**k / FINE, cell_v * 2**k
+        column = _row(u, low_u, width, FINE * rows)
+        margin = half_v + ROOM * cell_v
+        lowest, highest = (_row(x, low_v, height, rows) for x in (v - margin, v + margin))
+        for r in range(ROWS):
+            here = _offset(side, k) + (lowest + r) * (FINE * rows) + column
+            keys[r] = jnp.where((level == k) & (lowest + r <= highest), here, keys[r])
+    # Those that are in no cell stand once.
+    for r in range(ROWS):
+        keys[r] = jnp.where(large | unmet, jnp.where(large, cells + 1, cells) if r == 0 else cells + 2, keys[r])
+    key = jnp.concatenate(keys)
+    numbers = jnp.concatenate([jnp.arange(n, dtype=jnp.int32)] * ROWS)
+    _, order = jax.lax.sort((key, numbers), num_keys=1)
+    counts = jnp.zeros(cells + 3, jnp.int32).at[key].add(1)
+    ends = jnp.cumsum(counts, dtype=jnp.int32)
     small = ~large & ~unmet
     box = Bounds(
-        *(jnp.min(jnp.where(small, x, jnp.inf)) if name.endswith("low") else jnp.max(jnp.where(small, x, -jnp.inf))
-          for name, x in bounds._asdict().items())
+        *(
+            jnp.min(jnp.where(small, x, jnp.inf)) if name.endswith("low") else jnp.max(jnp.where(small, x, -jnp.inf))
+            for name, x in bounds._asdict().items()
+        )
     )
-    number = jnp.sum(large, dtype=jnp.int32)
-    return Grid(order, first, n - number, number, u, v, cell_u.astype(dtype), cell_v.astype(dtype), box)
+    first = jnp.concatenate([jnp.zeros(1, jnp.int32), ends[:cells]])
+    return Grid(order, first, ends[cells], counts[cells + 1], low_u, low_v, cell_u, cell_v, box)
 
 
 def _axis(middle: jax.Array, half: jax.Array, seen: jax.Array, side: int) -> tuple[jax.Array, jax.Array]:
@@ -114,17 +144,11 @@ def _axis(middle: jax.Array, half: jax.Array, seen: jax.Array, side: int) -> tup
     return jnp.where(ordinary, low, 0), jnp.where(ordinary, cell, 1)
 
 
-def _cell(x: jax.Array, low: jax.Array, cell: jax.Array, side: int, level: int) -> jax.Array:
-    return jnp.clip(jnp.floor((x - low) / (cell * 2**level)), 0, (side >> level) - 1).astype(jnp.int32)
+def candidates(grid: Grid, where: Coordinates, among: jax.Array, everything: jax.Array, n: int) -> Candidates:
+    """What rays at these coordinates have to be asked about, of the small ones among `n` spheres.
 
-
-def runs(
-    grid: Grid, where: Coordinates, among: jax.Array, everything: jax.Array, n: int
-) -> list[tuple[jax.Array, jax.Array]]:
-    """For each ray, LEVELS * ROWS runs of `order` (first, end) that hold all small spheres that it can meet.
-
-    Of a ray that is not `among` the others they are empty. With `everything`, or where a ray's coordinates err by too
-    much for cells of that size, the first run is all that are small.
+    Rays that are not `among` the others have none. With `everything`, or where a ray's coordinates err by too much for
+    cells of that size, each ray has all that are small.
     """
     side = _side(n)
     box, error = grid.box, where.error
@@ -135,21 +159,21 @@ def runs(
         | (where.v - error > box.v_high)
         | (where.w - where.w_error > box.w_high)
     )
-    sharp = error <= jnp.minimum(grid.cell_u, grid.cell_v) * (ROOM / 2)
+    sharp = error <= jnp.minimum(grid.cell_u, grid.cell_v) * ROOM
     scanned = everything | jnp.any(near & ~sharp)
-    found = []
+    looked_up = near & ~scanned
+    total = jnp.where(scanned, grid.small, jnp.zeros(among.shape, jnp.int32))
+    starts, shifts = [], []
     for level in range(LEVELS):
-        width = side >> level
-        column = _cell(where.u, grid.u, grid.cell_u, side, level)
-        row = _cell(where.v, grid.v, grid.cell_v, side, level)
-        for step in range(ROWS):
-            beside = row + (step - 1)
-            there = near & (beside >= 0) & (beside < width)
-            start = _offset(side, level) + jnp.clip(beside, 0, width - 1) * width
-            begin = grid.first[start + jnp.maximum(column - 1, 0)]
-            end = grid.first[start + jnp.minimum(column + 1, width - 1) + 1]
-            whole = grid.small if not found else 0
-            found.append(
-                (jnp.where(there & ~scanned, begin, 0), jnp.where(scanned, whole, jnp.where(there, end, 0)))
-            )
-    return found
+        rows, width, height = side >> level, grid.cell_u * 2**level / FINE, grid.cell_v * 2**level
+        reach = grid.cell_u * 2**level
+        columns = FINE * rows
+        row = _offset(side, level) + _row(where.v, grid.v, height, rows) * columns
+        begin = grid.first[row + _row(where.u - reach, grid.u, width, columns)]
+        end = grid.first[row + _row(where.u + reach, grid.u, width, columns) + 1]
+        starts.append(total)
+        shifts.append(jnp.where(looked_up, begin - total, 0))
+        total = total + jnp.where(looked_up, end - begin, 0)
+    # Scanned rays find everything in the first run.
+    starts[1:] = [jnp.where(scanned, total + 1, start) for start in starts[1:]]
+    return Candidates(tuple(starts), tuple(shifts), total)

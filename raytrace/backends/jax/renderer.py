@@ -24,7 +24,7 @@ from raytrace.shader.uniforms import Uniforms
 __all__ = ["Renderer"]
 
 #: XLA would use half of the width that a vector register of a newer CPU has.
-OPTIONS = {"xla_cpu_prefer_vector_width": 512}
+OPTIONS = {"xla_cpu_prefer_vector_width": 512, "xla_cpu_multi_thread_eigen": False}
 
 _drawn = jax.jit(draw, static_argnums=(0, 1, 2, 3), compiler_options=OPTIONS)
 

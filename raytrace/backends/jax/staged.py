@@ -17,7 +17,7 @@ from jax import lax
 
 from raytrace.backends.jax.culling import Beam, Bounds, Pencil, Region, beam, outside, pencil
 from raytrace.backends.jax.engines import OneProgram, shaped
-from raytrace.backends.jax.grid import Grid, grid, runs
+from raytrace.backends.jax.grid import Grid, candidates, grid
 from raytrace.shader.control import count
 from raytrace.shader.glsl import select
 from raytrace.shader.hit import Hit
@@ -26,17 +26,23 @@ from raytrace.shader.uniforms import Program, Sphere, Uniforms
 __all__ = ["Culling", "Staged", "Visible", "culling"]
 
 #: With more spheres than this the small ones are in grids.
-MANY = 256
+import os
+MANY = int(os.environ.get("MANY","256"))
 #: So many spheres are asked at a time whether a block's rays can meet them.
 CHUNK = 1024
 
 
 class Visible(NamedTuple):
-    """What one kind of rays can meet: their coordinates, the spheres' rectangles there, and a grid if there are many."""
+    """What one kind of rays can meet: their coordinates, the spheres' rectangles there, and a grid if there are many.
+
+    by_cell: the spheres in the order of the grid. large: the numbers of those that are too large for it, and padding.
+    """
 
     rays: Pencil | Beam
     bounds: Bounds
-    grid: Grid | None
+    grid: Grid | None = None
+    by_cell: Sphere | None = None
+    large: jax.Array | None = None
 
 
 class Culling(NamedTuple):
@@ -56,7 +62,14 @@ def culling(uniforms: Uniforms, program: Program) -> Culling:
 
     def visible(rays: Pencil | Beam) -> Visible:
         bounds = rays.bounds(spheres, program.intersection == "textbook")
-        return Visible(rays, bounds, grid(rays, bounds) if count(spheres) > MANY else None)
+        n = count(spheres)
+        if n <= MANY:
+            return Visible(rays, bounds)
+        cells = grid(rays, bounds)
+        by_cell = jax.tree.map(lambda leaf: leaf[cells.order], spheres)
+        padded = jnp.pad(cells.order, (0, n))
+        large = jnp.pad(lax.dynamic_slice(padded, (cells.small,), (n,)), (0, CHUNK))
+        return Visible(rays, bounds, cells, by_cell, large)
 
     to_world = uniforms.camera.view_to_world
     primary = beam(-to_world.z.xyz) if program.orthographic else pencil(uniforms.camera)
@@ -160,13 +173,10 @@ class _Loop(NamedTuple):
         size = min(n, CHUNK)
         if grid is None:
             return self._listed(jnp.arange(n, dtype=jnp.int32), jnp.ones(n, bool), region, active, state)
-        # The large ones are the last of the order.
-        padded = jnp.pad(grid.order, (0, size))
 
         def of_chunk(k: jax.Array, state: Any) -> Any:
-            first = grid.small + k * size
-            indices = lax.dynamic_slice(padded, (first,), (size,))
-            return self._listed(indices, first + jnp.arange(size) < n, region, active, state)
+            indices = lax.dynamic_slice(self.visible.large, (k * size,), (size,))
+            return self._listed(indices, k * size + jnp.arange(size) < grid.large, region, active, state)
 
         state = lax.fori_loop(0, -(-grid.large // size), of_chunk, state)
         return self._in_cells(grid, where, active, state)
@@ -187,24 +197,15 @@ class _Loop(NamedTuple):
 
     def _in_cells(self, grid: Grid, where: Any, active: jax.Array, state: Any) -> Any:
         """Over the small spheres, each ray over those of its own cells."""
-        spheres = jax.tree.map(lambda leaf: leaf[grid.order], self.spheres)
-        first, end = (
-            jnp.stack(each) for each in zip(*runs(grid, where, active, self.engine.everything, count(self.spheres)))
-        )
+        asked = candidates(grid, where, active, self.engine.everything, count(self.spheres))
 
-        def of_run(run: jax.Array, state: Any) -> Any:
-            begin, length = first[run], end[run] - first[run]
+        def turn(k: jax.Array, state: Any) -> Any:
+            place = asked.place(k)
+            sphere = jax.tree.map(lambda leaf: leaf.at[place].get(mode="promise_in_bounds"), self.visible.by_cell)
+            changed = self._turn(grid.order.at[place].get(mode="promise_in_bounds"), sphere, state)
+            return select(k < asked.total, changed, state)
 
-            def turn(k: jax.Array, state: Any) -> Any:
-                there = k < length
-                place = jnp.where(there, begin + k, 0)
-                sphere = jax.tree.map(lambda leaf: leaf.at[place].get(mode="promise_in_bounds"), spheres)
-                changed = self._turn(grid.order.at[place].get(mode="promise_in_bounds"), sphere, state)
-                return select(there, changed, state)
-
-            return self._while_needed(lambda open: jnp.max(jnp.where(open, length, 0)), active, turn, state)
-
-        return lax.fori_loop(0, first.shape[0], of_run, state)
+        return self._while_needed(lambda open: jnp.max(jnp.where(open, asked.total, 0)), active, turn, state)
 
     def _turn(self, i: jax.Array, sphere: Sphere, state: Any) -> Any:
         changed = self.body(state, i, sphere, *self.args)
