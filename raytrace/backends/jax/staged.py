@@ -18,6 +18,7 @@ from jax import lax
 from raytrace.backends.jax.culling import Beam, Bounds, Pencil, Region, beam, outside, pencil
 from raytrace.backends.jax.engines import OneProgram, shaped
 from raytrace.backends.jax.grid import Grid, candidates, grid
+from raytrace.backends.jax.traced import traced
 from raytrace.shader.control import count
 from raytrace.shader.glsl import select
 from raytrace.shader.hit import Hit
@@ -114,19 +115,18 @@ class Block(OneProgram):
             given = iter(planes)
             return function(*tree.unflatten(next(given) if isinstance(leaf, jax.Array) else leaf for leaf in leaves))
 
-        return computed_if(self.always, kernel, jax.eval_shape(kernel, *planes), planes)
+        return computed_if(self.always, *traced(kernel, *planes), planes)
 
     def branch(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
-        shapes = jax.tree.map(
-            lambda a, b: jax.ShapeDtypeStruct(jnp.broadcast_shapes(condition.shape, a.shape, b.shape), a.dtype),
-            jax.eval_shape(then, *args),
-            jax.eval_shape(other, *args),
-        )
         sides = []
         for taken, function in ((condition, then), (~condition, other)):
             with self._among(taken) as active:
-                sides.append(computed_if(jnp.any(active) | self.everything, function, shapes, args))
-        return select(condition, *sides)
+                sides.append((jnp.any(active) | self.everything, *traced(function, *args)))
+        shapes = jax.tree.map(
+            lambda a, b: jax.ShapeDtypeStruct(jnp.broadcast_shapes(condition.shape, a.shape, b.shape), a.dtype),
+            *(shapes for _, _, shapes in sides),
+        )
+        return select(condition, *(computed_if(needed, side, shapes, args) for needed, side, _ in sides))
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
         nearest = isinstance(start, Hit)

@@ -7,6 +7,8 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from raytrace.backends.jax.traced import traced
+
 __all__ = ["Tiles"]
 
 #: One tile's images by name: arrays (height, width, components).
@@ -56,7 +58,7 @@ class Tiles(NamedTuple):
 
         Each tile is written to its place when it is ready. One that would stand over the edge is moved inside.
         """
-        shapes = jax.eval_shape(tile, jnp.int32(0), jnp.int32(0))
+        tile, shapes = traced(tile, jnp.int32(0), jnp.int32(0))
         corners = [
             jnp.array([min(i * side, end - side) for i in range(-(-end // side))], jnp.int32)
             for side, end in ((self.tile_height, self.height), (self.tile_width, self.width))
