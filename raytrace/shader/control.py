@@ -15,14 +15,13 @@ Bodies receive planes as arguments, never by closure: an engine may hand them a 
 (arrays of shape ()) and lists of items may be closed over.
 """
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from contextvars import ContextVar
+from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
 from raytrace.shader.glsl import maximum, minimum, select
 from raytrace.shader.namespace import namespace
+from raytrace.shader.running import engine, running
 from raytrace.shader.tree import tree_leaves, tree_map
 from raytrace.shader.types import Array
 
@@ -30,7 +29,10 @@ __all__ = ["Engine", "at", "branch", "count", "detach", "each", "running", "step
 
 
 class Engine:
-    """The plain engine: everything is computed everywhere. Others override what they can do better."""
+    """The plain engine: everything is computed everywhere. Others override what they can do better.
+
+    One may also have functions `exp2` and `log2` of its own, for its arrays (`raytrace.shader.glsl`).
+    """
 
     def step(self, function: Callable, args: tuple) -> Any:
         return function(*args)
@@ -55,17 +57,10 @@ class Engine:
 
 
 _PLAIN = Engine()
-_engine: ContextVar[Engine] = ContextVar("raytrace_engine", default=_PLAIN)
 
 
-@contextmanager
-def running(engine: Engine) -> Iterator[None]:
-    """Within this context `engine` gives the control words their meaning."""
-    token = _engine.set(engine)
-    try:
-        yield
-    finally:
-        _engine.reset(token)
+def _running() -> Engine:
+    return engine() or _PLAIN
 
 
 def step(function: Callable) -> Callable:
@@ -73,7 +68,7 @@ def step(function: Callable) -> Callable:
 
     @wraps(function)
     def call(*args):
-        return _engine.get().step(function, args)
+        return _running().step(function, args)
 
     return call
 
@@ -84,7 +79,7 @@ def branch(condition: Array, then: Callable, other: Callable, *args: Any) -> Any
     `args` are planes of the condition's shape, scalars of shape (), or structures of them. Both sides return
     the same structure. A side may see only the pixels concerned, or not be called at all.
     """
-    return _engine.get().branch(condition, then, other, args)
+    return _running().branch(condition, then, other, args)
 
 
 def each(items: Any, body: Callable, start: Any, *args: Any, unroll: bool = True) -> Any:
@@ -94,17 +89,17 @@ def each(items: Any, body: Callable, start: Any, *args: Any, unroll: bool = True
     runs the body of that one item again instead. With `unroll` an engine that compiles may write the body out for
     each item; without, the body is too large for that.
     """
-    return _engine.get().each(items, body, start, args, unroll)
+    return _running().each(items, body, start, args, unroll)
 
 
 def at(items: Any, index: Array) -> Any:
     """``items[index]`` for every pixel; any item where there is none of that index."""
-    return _engine.get().at(items, index)
+    return _running().at(items, index)
 
 
 def detach(x: Array) -> Array:
     """`x` as a constant: equal in value, without derivative."""
-    return _engine.get().detach(x)
+    return _running().detach(x)
 
 
 def count(items: Any) -> int:

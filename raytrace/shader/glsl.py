@@ -13,6 +13,7 @@ from typing import Any
 
 from raytrace.shader.literal import Literal
 from raytrace.shader.namespace import constant, lift, namespace
+from raytrace.shader.running import engine
 from raytrace.shader.tree import tree_map
 from raytrace.shader.types import Array
 
@@ -212,15 +213,19 @@ def sqrt(x: Array) -> Array:
 
 
 def exp2(x: Array) -> Array:
-    """Two to the power `x`."""
+    """Two to the power `x`: the engine's, where one is running that has its own, or the array library's."""
+    own = getattr(engine(), "exp2", None)
+    if own is not None:
+        return own(x)
     xp = namespace(x)
     # The array API standard has no exp2; NumPy and JAX do.
     return xp.exp2(x) if hasattr(xp, "exp2") else xp.pow(lift(2, x), x)
 
 
 def log2(x: Array) -> Array:
-    """The logarithm to base 2 of a positive number."""
-    return namespace(x).log2(x)
+    """The logarithm to base 2 of a positive number: the engine's or the array library's."""
+    own = getattr(engine(), "log2", None)
+    return namespace(x).log2(x) if own is None else own(x)
 
 
 def pow(x: Any, y: Any) -> Any:

@@ -82,6 +82,9 @@ def _part(
 ) -> Images:
     """One device's part, all of `tiles`: arrays (rows, columns, components)."""
     engine = engine_of(job)
+    # A division by a constant would be compiled to a product with the constant's inverse, which is rounded once more.
+    one = (mode >= 0).astype(job.dtype)
+    frame = job.frame._replace(width=job.frame.width * one, height=job.frame.height * one)
 
     def tile(row: jax.Array, column: jax.Array) -> Images:
         at = engine
@@ -91,7 +94,7 @@ def _part(
         with running(at):
             # In a step of its own, so that no other kernel counts the pixels again.
             x, y = at.step(_floats, (columns, rows, jnp.zeros((), job.dtype)))
-            steps = pixels(uniforms, job.program, x, y, job.frame, job.keep)
+            steps = pixels(uniforms, job.program, x, y, frame, job.keep)
 
         def images(steps: Any) -> Images:
             return {name: _interleaved(getattr(steps, name), tiles) for name in job.keep}

@@ -15,6 +15,7 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from raytrace.backends.jax import elementary
 from raytrace.backends.jax.culling import Beam, Bounds, Pencil, Region, beam, outside, pencil
 from raytrace.backends.jax.engines import OneProgram, shaped
 from raytrace.backends.jax.grid import Grid, candidates, grid
@@ -27,8 +28,7 @@ from raytrace.shader.uniforms import Program, Sphere, Uniforms
 __all__ = ["Culling", "Staged", "Visible", "culling"]
 
 #: With more spheres than this the small ones are in grids.
-import os
-MANY = int(os.environ.get("MANY","256"))
+MANY = 256
 #: So many spheres are asked at a time whether a block's rays can meet them.
 CHUNK = 1024
 
@@ -140,6 +140,12 @@ class Block(OneProgram):
         if not (nearest and self.differentiated):
             return state
         return self.winner(items, body, start, state.index, args)
+
+    def exp2(self, x: jax.Array) -> jax.Array:
+        return elementary.exp2(x) if x.dtype == jnp.float32 else jnp.exp2(x)
+
+    def log2(self, x: jax.Array) -> jax.Array:
+        return elementary.log2(x) if x.dtype == jnp.float32 else jnp.log2(x)
 
     @contextmanager
     def _among(self, condition: jax.Array):

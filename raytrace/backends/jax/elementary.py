@@ -1,0 +1,94 @@
+"""exp2 and log2 in float32, as array code that vectorizes.
+
+XLA has neither: it goes by way of e, which costs a multiplication's rounding of a large exponent, and its own polynomials.
+These are for what the shader needs, finite numbers: log2 of positive normal numbers errs by at most 1 unit in the last place, and exp2,
+of -126 to 127, by at most 1; below it is 0 (as a subnormal number is in XLA on the CPU), above it is infinite.
+
+Coefficients: the logarithm's are those of Cephes (S. L. Moshier, logf.c); exp2's are minimax for the relative error on
+[-1/2, 1/2], by the exchange algorithm (tests/backends/test_elementary.py holds the bounds).
+"""
+
+import jax
+import jax.numpy as jnp
+from jax import lax
+
+__all__ = ["exp2", "log2"]
+
+_LOG2_E_LESS_1 = 0.44269504088896340736
+_LN_2 = 0.69314718055994530942
+#: (log(1 + f) - f + f^2 / 2) / f^3 for 1 + f from sqrt(1/2) to sqrt(2), highest power first.
+_LOG = (
+    7.0376836292e-2,
+    -1.1514610310e-1,
+    1.1676998740e-1,
+    -1.2420140846e-1,
+    1.4249322787e-1,
+    -1.6668057665e-1,
+    2.0000714765e-1,
+    -2.4999993993e-1,
+    3.3333331174e-1,
+)
+#: (2^f - 1) / f, highest power first.
+_EXP2 = (
+    0.00015353361883058356,
+    0.0013398874422182714,
+    0.009618437357837907,
+    0.055503324711003374,
+    0.24022647913626435,
+    0.6931472028550814,
+)
+_MANTISSA_BITS = 23
+_SQRT_HALF_BITS = 0x3F3504F3
+
+
+def _bits(x: jax.Array) -> jax.Array:
+    return lax.bitcast_convert_type(x, jnp.int32)
+
+
+def _float(bits: jax.Array) -> jax.Array:
+    return lax.bitcast_convert_type(bits, jnp.float32)
+
+
+def _polynomial(coefficients: tuple[float, ...], x: jax.Array) -> jax.Array:
+    value = jnp.float32(coefficients[0])
+    for coefficient in coefficients[1:]:
+        value = value * x + jnp.float32(coefficient)
+    return value
+
+
+@jax.custom_jvp
+def log2(x: jax.Array) -> jax.Array:
+    """The logarithm to base 2 of positive normal numbers of float32."""
+    exponent = (_bits(x) - _SQRT_HALF_BITS) >> _MANTISSA_BITS
+    f = _float(_bits(x) - (exponent << _MANTISSA_BITS)) - 1
+    square = f * f
+    # log(1 + f) = f + small; times log2(e) in two parts, the larger of which is 1 and needs no rounding.
+    small = f * square * _polynomial(_LOG, f) - 0.5 * square
+    rest = jnp.float32(_LOG2_E_LESS_1)
+    return ((small * rest + f * rest) + small + f) + exponent.astype(jnp.float32)
+
+
+@jax.custom_jvp
+def exp2(x: jax.Array) -> jax.Array:
+    """Two to the power `x`, float32."""
+    nearest = jnp.round(jnp.clip(x, -127, 128))
+    f = x - nearest
+    # In two steps, since 2^128 is no float.
+    exponent = nearest.astype(jnp.int32)
+    half = exponent >> 1
+    value = 1 + f * _polynomial(_EXP2, f)
+    scaled = value * _float((half + 127) << _MANTISSA_BITS) * _float((exponent - half + 127) << _MANTISSA_BITS)
+    return jnp.where(x < -126, 0, jnp.where(x >= 128, jnp.inf, scaled))
+
+
+@log2.defjvp
+def _(primals: tuple, tangents: tuple) -> tuple:
+    (x,), (dx,) = primals, tangents
+    return log2(x), dx / (x * jnp.float32(_LN_2))
+
+
+@exp2.defjvp
+def _(primals: tuple, tangents: tuple) -> tuple:
+    (x,), (dx,) = primals, tangents
+    value = exp2(x)
+    return value, dx * (value * jnp.float32(_LN_2))
