@@ -21,6 +21,7 @@ __all__ = [
     "Shader",
     "ShaderUniforms",
     "Size",
+    "Skip",
     "TimeLimit",
     "progress",
     "size_of",
@@ -39,6 +40,7 @@ ShaderUniforms = Annotated[
     list[str], typer.Option("--uniform", help="What a uniform stands for, name=camera_position; repeatable.")
 ]
 TimeLimit = Annotated[float, typer.Option(help="Seconds that your own shader may take.")]
+Skip = Annotated[bool, typer.Option("--skip/--no-skip", help="Leave out what a part of the image does not need.")]
 ExactInputs = Annotated[bool, typer.Option("--exact-inputs", help="Do not round the scene's numbers to float32.")]
 
 

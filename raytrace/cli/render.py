@@ -1,6 +1,8 @@
 """Commands that render: `render` and `pixel`."""
 
+import os
 import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -16,10 +18,13 @@ from raytrace.cli.options import (
     Shader,
     ShaderUniforms,
     Size,
+    Skip,
     TimeLimit,
     progress,
     size_of,
 )
+from raytrace.cluster import cluster
+from raytrace.errors import InputError
 from raytrace.glsl.matching import parse_uniforms
 from raytrace.image import file_format, image_file
 from raytrace.rendering import Rendering
@@ -46,25 +51,52 @@ def render(
     changes: Changes = [],  # noqa: B006 (typer's way)
     intersection: Intersection = None,
     exact_inputs: ExactInputs = False,
+    skip: Skip = True,
     shader: Shader = None,
     uniforms: ShaderUniforms = [],  # noqa: B006
     time_limit: TimeLimit = 60.0,
+    cache: Annotated[bool, typer.Option("--cache/--no-cache", help="Keep compiled programs for the next time.")] = True,
+    coordinator: Annotated[
+        str | None, typer.Option(help="HOST:PORT of process 0, where several processes render one image.")
+    ] = None,
+    hosts: Annotated[int | None, typer.Option(min=1, help="How many processes there are.")] = None,
+    process_id: Annotated[int | None, typer.Option(min=0, help="Which of them this is; 0 writes the file.")] = None,
+    scheduled: Annotated[
+        bool, typer.Option("--cluster", help="The same, as the cluster's scheduler says: Slurm, MPI, Kubernetes.")
+    ] = False,
 ) -> None:
     """Render a scene to an image file."""
+    if not cache:
+        os.environ["RAYTRACE_CACHE"] = "off"
     out = out or Path(f"{Path(scene).stem}.png")
-    rendering = Rendering(
-        load_scene(scene, changes),
-        size_of(size),
-        backend=backend,
-        dtype=dtype,
-        samples=samples,
-        output=output or file_format(out).output,
-        intersection=intersection,
-        exact_inputs=exact_inputs,
-        shader=shader,
-        uniforms=parse_uniforms(uniforms),
-        time_limit=time_limit,
-    )
+    together = scheduled or any(value is not None for value in (coordinator, hosts, process_id))
+    if together and backend != "jax":
+        raise InputError(f"backend {backend}: only jax renders on several hosts")
+    with cluster(coordinator, hosts, process_id) if together else nullcontext(True) as writes:
+        rendering = Rendering(
+            load_scene(scene, changes),
+            size_of(size),
+            backend=backend,
+            dtype=dtype,
+            samples=samples,
+            output=output or file_format(out).output,
+            intersection=intersection,
+            exact_inputs=exact_inputs,
+            skip=skip,
+            shader=shader,
+            uniforms=parse_uniforms(uniforms),
+            time_limit=time_limit,
+        )
+        if writes:
+            _to_file(rendering, out, bits)
+        else:
+            rendering.compile()
+            for _ in rendering.bands():
+                pass  # process 0 has it too
+
+
+def _to_file(rendering: Rendering, out: Path, bits: int | None) -> None:
+    """Renders band by band, each of which is written before the next, and says how long it took."""
     width, height, _ = rendering.frame
     seconds = 0.0
     with (
@@ -81,7 +113,7 @@ def render(
             advance(rendering.band_height)
             started = time.perf_counter()
     compiled = f", after compiling for {compiling:.2f} s" if compiling >= 0.01 else ""
-    print(f"{out}: {width}x{height}, {backend} {dtype}, rendered in {seconds:.3f} s{compiled}")
+    print(f"{out}: {width}x{height}, {rendering.backend} {rendering.dtype}, rendered in {seconds:.3f} s{compiled}")
 
 
 def pixel(

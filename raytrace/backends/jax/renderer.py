@@ -12,10 +12,11 @@ import numpy as np
 from jax import lax
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from raytrace.backends.jax.devices import ask_for_all_cores, mesh
+from raytrace.backends.jax.devices import ask_for_all_cores, fetched, mesh
 from raytrace.backends.jax.drawing import draw, engine_of
 from raytrace.backends.jax.packing import Layout, pack
 from raytrace.backends.jax.staged import MANY, Culling, Staged, culling
+from raytrace.backends.jax.stored import stored
 from raytrace.backends.job import Job
 from raytrace.errors import InputError
 from raytrace.shader.control import count
@@ -23,7 +24,8 @@ from raytrace.shader.uniforms import Uniforms
 
 __all__ = ["Renderer"]
 
-#: XLA would use half of the width that a vector register of a newer CPU has.
+#: XLA would use half of the width that a vector register of a newer CPU has; and every device has a core of its own, so
+#: that a kernel which is shared among threads only waits for them.
 OPTIONS = {"xla_cpu_prefer_vector_width": 512, "xla_cpu_multi_thread_eigen": False}
 
 _drawn = jax.jit(draw, static_argnums=(0, 1, 2, 3), compiler_options=OPTIONS)
@@ -54,10 +56,27 @@ def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -
         culled = tree.unflatten(given(shape, dtype) for shape, dtype in shapes)
     numbers = given((layout.size,), job.dtype)
     scalars = given((), np.int32), given((), np.int32)
-    return _drawn_packed.lower(job, rows, devices, layout, numbers, culled, *scalars).compile()
+
+    def compiled() -> Any:
+        return _drawn_packed.lower(job, rows, devices, layout, numbers, culled, *scalars).compile()
+
+    return stored(_name(job, rows, devices, layout, culled), compiled)
 
 
-def _given(x: jax.Array, dtype: str, exact: bool) -> jax.Array:
+def _name(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -> str | None:
+    """What a program depends on, as text that is the same in another process; ``None`` where there is no such text."""
+    choices = vars(job.program).items()
+    named = {key: getattr(value, "__qualname__", value) for key, value in choices}
+    own = all(getattr(value, "__module__", "raytrace.").startswith("raytrace.") for _, value in choices)
+    if not own or job.engine is not None or jax.process_count() > 1:
+        return None
+    shapes = jax.tree.map(lambda leaf: (leaf.shape, str(leaf.dtype)), culled)
+    kinds = [(device.platform, device.id) for device in devices.devices.flat]
+    # The layout's and the culling's trees say of every leaf whose it is.
+    return repr((named, job.frame, job.keep, job.dtype, rows, kinds, layout, shapes, sorted(OPTIONS.items())))
+
+
+def _given(x: Any, dtype: str, exact: bool) -> jax.Array:
     """A traced uniform as the program gets it: rounded once to float32 unless `exact`, then in `dtype`.
 
     The gradient passes the rounding as if it were not there.
@@ -121,7 +140,9 @@ class Renderer:
             numbers, culled = prepared = self._prepared()
             mode, first = jax.device_put((mode, first), self._everywhere())
             images = self._program(count, prepared)(numbers, culled, mode, first)
-            return jax.tree.map(np.asarray, images) if self.borrows_x64 else images
+            # Spread over several processes it would be of no use to any of them.
+            whole = self.borrows_x64 or jax.process_count() > 1
+            return jax.tree.map(fetched, images) if whole else images
 
     def _prepared(self) -> tuple[jax.Array, Culling | None]:
         """The uniforms, and with many spheres what is prepared of them, on all devices."""
@@ -165,6 +186,11 @@ def _kept(job: Job, layout: Layout, numbers: np.ndarray, many: bool, everywhere:
     if last is not None and last.key == key and np.array_equal(last.numbers, numbers):
         return last.prepared
     on_devices = jax.device_put(numbers, everywhere)
-    culled = jax.device_put(_culled(job, layout, numbers), everywhere) if many else None
+    culled = None
+    if many:
+        culled = _culled(job, layout, numbers)
+        if jax.process_count() > 1:
+            culled = jax.tree.map(np.asarray, culled)
+        culled = jax.device_put(culled, everywhere)
     _last = _Last(key, numbers, (on_devices, culled))
     return _last.prepared

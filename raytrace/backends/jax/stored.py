@@ -1,0 +1,94 @@
+"""Compiled programs, kept in the user's cache folder: the next process need neither trace nor compile them.
+
+JAX's own persistent cache saves the compilation alone; tracing and lowering would still take longer than loading the
+whole program does. A program is machine code for one kind of processor, so processor, JAX's and XLA's versions and this
+package's own text are part of its name.
+
+The environment variable RAYTRACE_CACHE names another folder, or is "off".
+"""
+
+import hashlib
+import os
+import pickle
+import platform
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jax
+import jaxlib
+from jax.experimental import serialize_executable
+
+import raytrace
+from raytrace.errors import InputError
+from raytrace.files import whole_file
+
+__all__ = ["stored"]
+
+#: The most programs that are kept; those that were not used for longest go first.
+MOST = 64
+
+
+def folder() -> Path | None:
+    """Where programs are kept, or ``None`` where they are not to be."""
+    chosen = os.environ.get("RAYTRACE_CACHE")
+    if chosen == "off":
+        return None
+    if chosen:
+        return Path(chosen)
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("raytrace"))
+
+
+def stored(name: str | None, compiled: Callable[[], Any]) -> Any:
+    """The program called `name`, from the folder if it is there, else as `compiled` makes it, which is then kept.
+
+    A name holds everything that the program depends on, but for the machine and the versions. ``None`` for a program
+    that has no such name. Whatever goes wrong with the folder, there is a program.
+    """
+    place = None if name is None else folder()
+    if place is None:
+        return compiled()
+    digest = hashlib.sha256("\n".join([_here(), name]).encode()).hexdigest()
+    path = place / f"{digest[:40]}.program"
+    with suppress(Exception):  # no such file, or one that does not load
+        program = serialize_executable.deserialize_and_load(*pickle.loads(path.read_bytes()))
+        os.utime(path)
+        return program
+    program = compiled()
+    with suppress(Exception):  # a full or read-only disk, or a program that cannot be stored
+        place.mkdir(parents=True, exist_ok=True, mode=0o700)
+        content = pickle.dumps(serialize_executable.serialize(program))
+        with suppress(InputError), whole_file(path) as temporary:
+            temporary.write_bytes(content)
+        _prune(place)
+    return program
+
+
+def _prune(place: Path) -> None:
+    programs = sorted(place.glob("*.program"), key=lambda path: path.stat().st_mtime)
+    for path in programs[: max(0, len(programs) - MOST)]:
+        path.unlink()
+
+
+@cache
+def _here() -> str:
+    """This processor, these versions, this package's text."""
+    text = hashlib.sha256()
+    for path in sorted(Path(raytrace.__file__).parent.rglob("*.py")):
+        text.update(path.read_bytes())
+    flags = os.environ.get("XLA_FLAGS", "")
+    return "\n".join([_processor(), jax.__version__, jaxlib.__version__, platform.python_version(), flags, text.hexdigest()])
+
+
+def _processor() -> str:
+    """The processor's model and what it can do."""
+    with suppress(OSError):
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        told = {line.partition(":")[0].strip(): line for line in lines}
+        # The names on x86 and on ARM.
+        return "\n".join(told.get(key, "") for key in ("model name", "flags", "CPU part", "Features"))
+    return f"{platform.machine()} {platform.processor()}"
