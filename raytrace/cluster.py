@@ -21,7 +21,9 @@ def cluster(coordinator: str | None, hosts: int | None, process_id: int | None) 
     """
     given = coordinator, hosts, process_id
     if any(value is None for value in given) and any(value is not None for value in given):
-        raise InputError("--coordinator, --hosts, --process-id: give all three, or --cluster to have the scheduler asked")
+        raise InputError(
+            "--coordinator, --hosts, --process-id: give all three, or --cluster to have the scheduler asked"
+        )
     if hosts is not None and not 0 <= process_id < hosts:
         raise InputError(f"--process-id: must be from 0 to {hosts - 1} for {hosts} hosts, found {process_id}")
     if coordinator is not None and not coordinator.rpartition(":")[2].isdigit():

@@ -77,7 +77,9 @@ class Rendering:
         self.scene, self.backend, self.dtype, self.output = scene, backend, dtype, output
         self.intersection, self.exact_inputs = intersection, exact_inputs
         self.frame = Frame(*map(int, size), samples=int(samples))
-        job = Job(program_of(scene, intersection), self.frame, OUTPUTS[output], dtype, exact_inputs, skip, engine, foreign)
+        job = Job(
+            program_of(scene, intersection), self.frame, OUTPUTS[output], dtype, exact_inputs, skip, engine, foreign
+        )
         self.renderer = renderer(backend, uniforms_of(scene, self.frame.width / self.frame.height), job)
 
     def whole(self) -> Any:

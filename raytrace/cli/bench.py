@@ -1,24 +1,174 @@
 """The command `bench`."""
 
-from typing import Annotated
+import json
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
 
-from raytrace.bench import plain_jit_timings, scene_timings
-from raytrace.cli.options import Size, size_of
+from raytrace.cli.options import Size, progress, size_of
+from raytrace.errors import InputError
+from raytrace.scene.toml import DEFAULT_SCENE
 
 __all__ = ["bench"]
 
+ENDINGS = (".svg", ".png")
+
 
 def bench(
+    scene: Annotated[str, typer.Argument(help="A built-in scene's name or a TOML file.")] = DEFAULT_SCENE,
     size: Size = "1920x1080",
     runs: Annotated[int, typer.Option(min=1, help="Frames that are timed, after one that is not.")] = 5,
-    plain_jit: Annotated[
-        bool, typer.Option("--plain-jit", help="Instead: the default scene against one plain jit (minutes).")
+    scaling: Annotated[str | None, typer.Option(help="Instead: time against spheres, pixels or devices.")] = None,
+    figures: Annotated[
+        bool, typer.Option("--figures", help="Instead: the ratios and errors to reach; exit code 1 if one is missed.")
     ] = False,
+    scenes: Annotated[
+        bool, typer.Option("--scenes", help="Instead: each figure of the assignment, by backend.")
+    ] = False,
+    roofline: Annotated[
+        bool, typer.Option("--roofline", help="Instead: operations of the program against this machine's peak.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    plot: Annotated[
+        Path | None, typer.Option(help="Also write a plot, .svg or .png; not with --figures, --roofline.")
+    ] = None,
 ) -> None:
-    """Time a frame of each figure of the assignment on each backend, compilation apart."""
-    timings = (plain_jit_timings if plain_jit else scene_timings)(size_of(size), runs)
-    print(f"{'scene':14} {'how':14} {'median ms':>10} {'fastest':>10} {'slowest':>10}", flush=True)
-    for row in timings:
-        print(f"{row.scene:14} {row.how:14} {row.median:10.1f} {row.fastest:10.1f} {row.slowest:10.1f}", flush=True)
+    """Time against error of every way to render a scene here, peers included; compilation apart."""
+    chosen = [
+        name
+        for name, value in (
+            ("--scaling", scaling),
+            ("--figures", figures),
+            ("--scenes", scenes),
+            ("--roofline", roofline),
+        )
+        if value
+    ]
+    if len(chosen) > 1:
+        raise InputError(f"{' and '.join(chosen)}: one at a time")
+    if plot and (figures or scenes or roofline):
+        raise InputError(f"--plot: there is none with {chosen[0]}")
+    if plot and plot.suffix not in ENDINGS:
+        raise InputError(f"{plot}: the plot must be named *.svg or *.png")
+    shape = size_of(size)
+    if scaling:
+        _scaling(scaling, shape, runs, as_json, plot)
+    elif figures:
+        _figures(shape, runs, as_json)
+    elif scenes:
+        _scenes(shape, runs, as_json)
+    elif roofline:
+        _roofline(scene, shape, runs, as_json)
+    else:
+        _pareto(scene, shape, runs, as_json, plot)
+
+
+def _pareto(scene: str, size: tuple[int, int], runs: int, as_json: bool, plot: Path | None) -> None:
+    from raytrace.bench import pareto
+    from raytrace.bench.contenders import contenders
+    from raytrace.scene import load_scene
+
+    loaded = load_scene(scene)
+    found, missing = contenders(loaded, size)
+    with progress(len(found) * (runs + 1), "timing") as advance:
+        rows = pareto.measured(found, loaded, size, runs, lambda name, ms: advance(1))
+    best = pareto.front(rows)
+    if plot:
+        pareto.plot(rows, f"{scene}, {size[0]}x{size[1]}", plot)
+    if as_json:
+        print(json.dumps({"rows": [_json(row) | {"front": row in best} for row in rows], "missing": missing}, indent=1))
+        return
+    print(
+        f"{'':36} {'median ms':>10} {'fastest':>9} {'slowest':>9} {'largest':>9} {'rms':>9} {'99.99 %':>9} {'>1/255':>7} {'at edges':>8}"
+    )
+    for row in rows:
+        name = f"{'*' if row in best else ' '} {row.name}"
+        print(f"{name:36} {row.timing.median:10.1f} {row.timing.fastest:9.1f} {row.timing.slowest:9.1f}", end="")
+        if row.errors:
+            e = row.errors
+            print(f" {e.largest:9.1e} {e.rms:9.1e} {e.percentile_9999:9.1e} {e.over:7} {e.edge_over:8}", end="")
+        print()
+    print("* not beaten in both time and rms error by another")
+    for line in missing:
+        print(line)
+
+
+def _scaling(kind: str, size: tuple[int, int], runs: int, as_json: bool, plot: Path | None) -> None:
+    from raytrace.bench import scaling
+    from raytrace.errors import did_you_mean
+
+    if kind not in scaling.KINDS:
+        raise InputError(f"--scaling: unknown {kind!r}; {did_you_mean(kind, scaling.KINDS, 'there is')}")
+    points = []
+    if not as_json:
+        print(f"{kind:>10}  {'':16} {'median ms':>10} {'fastest':>9} {'slowest':>9} {'once':>9}", flush=True)
+    for point in scaling.scaling(kind, size, runs):
+        points.append(point)
+        if not as_json:
+            once = "" if point.preparation is None else f" {point.preparation:9.1f}"
+            median, fastest, slowest = point.timing
+            print(f"{point.work:10,}  {point.name:16} {median:10.1f} {fastest:9.1f} {slowest:9.1f}{once}", flush=True)
+    if as_json:
+        print(json.dumps([_json(point) for point in points], indent=1))
+    if plot:
+        scaling.plot(points, kind, plot)
+
+
+def _figures(size: tuple[int, int], runs: int, as_json: bool) -> None:
+    from raytrace.bench.figures import Figure, figures
+
+    found, missing = [], []
+    if not as_json:
+        print(f"{'':66} {'reached':>9} {'at most':>9}", flush=True)
+    for figure in figures(size, runs):
+        if not isinstance(figure, Figure):
+            missing.append(figure)
+            continue
+        found.append(figure)
+        if not as_json:
+            missed = "" if figure.reached <= figure.at_most else "  missed"
+            print(f"{figure.name:66} {figure.reached:9.3g} {figure.at_most:9.3g}  ({figure.told}){missed}", flush=True)
+    if as_json:
+        print(json.dumps({"figures": [figure._asdict() for figure in found], "missing": missing}, indent=1))
+    else:
+        for line in missing:
+            print(line)
+    if any(figure.reached > figure.at_most for figure in found):
+        raise typer.Exit(1)
+
+
+def _scenes(size: tuple[int, int], runs: int, as_json: bool) -> None:
+    from raytrace.bench.scenes import scene_timings
+
+    rows = []
+    if not as_json:
+        print(f"{'scene':14} {'how':14} {'median ms':>10} {'fastest':>10} {'slowest':>10}", flush=True)
+    for scene, how, timing in scene_timings(size, runs):
+        rows.append({"scene": scene, "how": how, **timing._asdict()})
+        if not as_json:
+            print(
+                f"{scene:14} {how:14} {timing.median:10.1f} {timing.fastest:10.1f} {timing.slowest:10.1f}", flush=True
+            )
+    if as_json:
+        print(json.dumps(rows, indent=1))
+
+
+def _roofline(scene: str, size: tuple[int, int], runs: int, as_json: bool) -> None:
+    from raytrace.bench.roofline import roofline
+
+    found = roofline(scene, size, runs)
+    if as_json:
+        print(json.dumps(found._asdict(), indent=1))
+        return
+    print(f"operations of a frame, nothing skipped {found.operations / 1e9:10.2f} G (as XLA counts)")
+    print(f"bytes that its kernels read and write  {found.bytes / 1e9:10.2f} GB")
+    print(f"peak of fused multiply-adds, measured  {found.peak_operations / 1e9:10.1f} GFLOP/s")
+    print(f"peak of a copy, measured               {found.peak_bytes / 1e9:10.1f} GB/s")
+    print(f"a frame, nothing skipped               {found.milliseconds:10.1f} ms")
+    print(f"its operations at that peak            {found.at_least:10.1f} ms, {100 * found.share:.0f} % of it")
+
+
+def _json(row: Any) -> dict[str, Any]:
+    """A named tuple and those within it."""
+    return {key: _json(value) if hasattr(value, "_asdict") else value for key, value in row._asdict().items()}

@@ -17,6 +17,7 @@ from raytrace.backends.jax.drawing import draw, engine_of
 from raytrace.backends.jax.packing import Layout, pack
 from raytrace.backends.jax.staged import MANY, Culling, Staged, culling
 from raytrace.backends.jax.stored import stored
+from raytrace.backends.jax.tiles import Tiles
 from raytrace.backends.job import Job
 from raytrace.errors import InputError
 from raytrace.shader.control import count
@@ -28,7 +29,8 @@ __all__ = ["Renderer"]
 #: that a kernel which is shared among threads only waits for them.
 OPTIONS = {"xla_cpu_prefer_vector_width": 512, "xla_cpu_multi_thread_eigen": False}
 
-_drawn = jax.jit(draw, static_argnums=(0, 1, 2, 3), compiler_options=OPTIONS)
+# Within somebody's trace there are no options: those are for the program that JAX compiles in the end.
+_drawn = jax.jit(draw, static_argnums=(0, 1, 2, 3))
 
 
 @partial(jax.jit, static_argnums=(0, 1, 2, 3), compiler_options=OPTIONS)
@@ -143,6 +145,20 @@ class Renderer:
             # Spread over several processes it would be of no use to any of them.
             whole = self.borrows_x64 or jax.process_count() > 1
             return jax.tree.map(fetched, images) if whole else images
+
+    def prepare_anew(self) -> None:
+        """Prepares the scene as if another had been rendered before, and waits for it."""
+        global _last
+        _last = None
+        with self._outside():
+            jax.block_until_ready(self._prepared())
+
+    def cost(self, count: int) -> tuple[dict[str, float], int]:
+        """XLA's count of the operations and bytes of one tile, and how many tiles all devices draw for `count` rows."""
+        columns = -(-self.job.frame.width // self.devices.size)
+        tiles = Tiles.of(count, columns, engine_of(self.job).block)
+        with self._outside():
+            return self._program(count, self._prepared()).cost_analysis(), tiles.down * tiles.across * self.devices.size
 
     def _prepared(self) -> tuple[jax.Array, Culling | None]:
         """The uniforms, and with many spheres what is prepared of them, on all devices."""

@@ -81,7 +81,9 @@ def _here() -> str:
     for path in sorted(Path(raytrace.__file__).parent.rglob("*.py")):
         text.update(path.read_bytes())
     flags = os.environ.get("XLA_FLAGS", "")
-    return "\n".join([_processor(), jax.__version__, jaxlib.__version__, platform.python_version(), flags, text.hexdigest()])
+    return "\n".join(
+        [_processor(), jax.__version__, jaxlib.__version__, platform.python_version(), flags, text.hexdigest()]
+    )
 
 
 def _processor() -> str:

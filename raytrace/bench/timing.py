@@ -1,0 +1,44 @@
+"""Run times, measured in turn in one run, so that the machine's moods are shared by all."""
+
+import statistics
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+__all__ = ["Timing", "in_turn", "ready"]
+
+
+class Timing(NamedTuple):
+    """Milliseconds: the median, the fastest and the slowest of the runs after the first."""
+
+    median: float
+    fastest: float
+    slowest: float
+
+
+def ready(image: Any) -> Any:
+    """`image` when it is computed: JAX goes on before it is."""
+    waiting = getattr(image, "block_until_ready", None)
+    return image if waiting is None else waiting()
+
+
+def in_turn(
+    frames: Mapping[str, Callable[[], Any]], runs: int, done: Callable[[str, float], None] = lambda name, ms: None
+) -> dict[str, Timing]:
+    """Each of `frames` once to compile and to warm up, then `runs` times, A B C A B C ...
+
+    done: told of each frame, by name and milliseconds.
+    """
+    milliseconds: dict[str, list[float]] = {name: [] for name in frames}
+    for _ in range(runs + 1):
+        for name, frame in frames.items():
+            start = time.perf_counter()
+            ready(frame())
+            milliseconds[name].append(1e3 * (time.perf_counter() - start))
+            done(name, milliseconds[name][-1])
+    return {
+        name: Timing(*(float(f(times)) for f in (statistics.median, np.min, np.max)))
+        for name, (_, *times) in milliseconds.items()
+    }
