@@ -8,7 +8,7 @@ from jax.sharding import Mesh, PartitionSpec
 
 from raytrace.backends.jax.devices import AXIS
 from raytrace.backends.jax.engines import OneProgram
-from raytrace.backends.jax.staged import Culling, Staged, culling
+from raytrace.backends.jax.staged import SEARCHED, Culling, Staged, culling
 from raytrace.backends.jax.tiles import Tiles
 from raytrace.backends.job import Job
 from raytrace.shader.control import running
@@ -101,7 +101,7 @@ def _part(
 
         return at.step(images, (steps,))
 
-    return (tiles.map if differentiated else tiles.draw)(tile)
+    return tiles.map(tile, kept=SEARCHED) if differentiated else tiles.draw(tile)
 
 
 def _floats(column: jax.Array, row: jax.Array, like: jax.Array) -> tuple[jax.Array, jax.Array]:

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 from jax import lax
+from jax.ad_checkpoint import checkpoint_name
 
 from raytrace.backends.jax import elementary
 from raytrace.backends.jax.culling import Beam, Bounds, Pencil, Region, beam, outside, pencil
@@ -25,10 +26,12 @@ from raytrace.shader.glsl import select
 from raytrace.shader.hit import Hit
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
-__all__ = ["Culling", "Staged", "Visible", "culling"]
+__all__ = ["SEARCHED", "Culling", "Staged", "Visible", "culling"]
 
 #: With more spheres than this the small ones are in grids.
 MANY = 256
+#: The name of what a search found, which is kept for reverse mode: nothing is searched again.
+SEARCHED = "searched"
 #: So many spheres are asked at a time whether a block's rays can meet them.
 CHUNK = 1024
 
@@ -136,7 +139,7 @@ class Block(OneProgram):
         loop_items, loop_args = lax.stop_gradient((items, args))
         loop = _Loop(self, visible, loop_items, body, nearest, loop_args)
         shape = jax.eval_shape(lambda state: body(state, 0, jax.tree.map(lambda leaf: leaf[0], items), *args), start)
-        state = loop.run(shaped(start, shape))
+        state = jax.tree.map(lambda leaf: checkpoint_name(leaf, SEARCHED), loop.run(shaped(start, shape)))
         if not (nearest and self.differentiated):
             return state
         return self.winner(items, body, start, state.index, args)

@@ -84,9 +84,12 @@ class Tiles(NamedTuple):
         _, _, whole = lax.fori_loop(0, self.down * self.across, put, start)
         return jax.tree.map(lambda image: image.reshape(self.height, self.width, -1), whole)
 
-    def map(self, tile: Callable[[jax.Array, jax.Array], Images]) -> Images:
-        """The same for what is to be differentiated: reverse mode computes each tile again rather than keep it."""
-        again = jax.checkpoint(tile)
+    def map(self, tile: Callable[[jax.Array, jax.Array], Images], kept: str) -> Images:
+        """The same for what is to be differentiated.
+
+        Reverse mode computes each tile again rather than keep it, but for what bears the name `kept`.
+        """
+        again = jax.checkpoint(tile, policy=jax.checkpoint_policies.save_only_these_names(kept))
         tiles = lax.map(lambda i: again(*self._corner(i)), jnp.arange(self.down * self.across, dtype=jnp.int32))
 
         def joined(image: jax.Array) -> jax.Array:

@@ -3,9 +3,9 @@
 Needs LLVM's library (Debian: libllvm15 or newer) beside the package.
 """
 
-import ctypes.util
 import glob
 import os
+import re
 import time
 from collections.abc import Callable
 from typing import Any
@@ -19,6 +19,7 @@ __all__ = ["built", "prepared", "queries"]
 
 #: Mitsuba has no endless plane: half the side of the rectangle that stands for one.
 FAR = 1e4
+OLDEST_LLVM = 15
 
 
 def prepared() -> Any:
@@ -27,15 +28,25 @@ def prepared() -> Any:
     Raises:
         InputError: it, or LLVM's library, is not installed.
     """
-    if "DRJIT_LIBLLVM_PATH" not in os.environ and ctypes.util.find_library("LLVM") is None:
-        found = sorted(glob.glob("/usr/lib/*/libLLVM-*.so*")) + sorted(glob.glob("/usr/lib/llvm-*/lib/libLLVM*.so*"))
-        if not found:
-            raise InputError("mitsuba: needs LLVM's library: apt-get install libllvm15")
-        os.environ["DRJIT_LIBLLVM_PATH"] = found[0]
+    if "DRJIT_LIBLLVM_PATH" not in os.environ:
+        os.environ["DRJIT_LIBLLVM_PATH"] = _newest_llvm()
     import mitsuba
 
     mitsuba.set_variant("llvm_ad_rgb")
     return mitsuba
+
+
+def _newest_llvm() -> str:
+    found = {
+        int(version.group(1)): path
+        for pattern in ("/usr/lib/*/libLLVM*.so*", "/usr/lib/llvm-*/lib/libLLVM*.so*", "/usr/lib*/libLLVM*.so*")
+        for path in glob.glob(pattern)
+        if (version := re.search(r"(?:libLLVM-|llvm-|libLLVM\.so\.)(\d+)", path))
+    }
+    newest = max(found, default=0)
+    if newest < OLDEST_LLVM:
+        raise InputError(f"mitsuba: needs LLVM's library, version {OLDEST_LLVM} or newer: apt-get install libllvm15")
+    return found[newest]
 
 
 def built(scene: Scene) -> tuple[Any, float]:
