@@ -73,11 +73,9 @@ def exp2(x: jax.Array) -> jax.Array:
     """Two to the power `x`, float32."""
     nearest = jnp.round(jnp.clip(x, -127, 128))
     f = x - nearest
-    # In two steps, since 2^128 is no float.
-    exponent = nearest.astype(jnp.int32)
-    half = exponent >> 1
     value = 1 + f * _polynomial(_EXP2, f)
-    scaled = value * _float((half + 127) << _MANTISSA_BITS) * _float((exponent - half + 127) << _MANTISSA_BITS)
+    # Times 2**nearest: from 0.7 to 1.5 the value's own exponent leaves room for all that are not decided below.
+    scaled = _float(_bits(value) + (nearest.astype(jnp.int32) << _MANTISSA_BITS))
     return jnp.where(x < -126, 0, jnp.where(x >= 128, jnp.inf, scaled))
 
 

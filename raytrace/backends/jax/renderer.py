@@ -15,7 +15,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from raytrace.backends.jax.devices import ask_for_all_cores, fetched, mesh
 from raytrace.backends.jax.drawing import draw, engine_of
 from raytrace.backends.jax.packing import Layout, pack
-from raytrace.backends.jax.staged import MANY, Culling, Staged, culling
+from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, culling
 from raytrace.backends.jax.stored import stored
 from raytrace.backends.jax.tiles import Tiles
 from raytrace.backends.job import Job
@@ -122,7 +122,7 @@ class Renderer:
         else:
             rounded = jax.tree.map(partial(_rounded, exact=job.exact_inputs), uniforms)
             self.numbers, self.layout = pack(rounded, job.dtype)
-            self.many = isinstance(engine_of(job), Staged) and count(uniforms.spheres) > MANY
+            self.many = isinstance(engine_of(job), Staged) and count(uniforms.spheres) > MANY_FOR_SHADOW
 
     def about(self) -> dict[str, str]:
         device = self.devices.devices.flat[0]

@@ -28,8 +28,9 @@ from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
 __all__ = ["SEARCHED", "Culling", "Staged", "Visible", "culling"]
 
-#: With more spheres than this the small ones are in grids.
-MANY = 256
+#: With more spheres than this the small ones are in grids. A block's own rays see fewer spheres than lie between the
+#: surfaces that it sees and the sun, so that a list of them all does for longer.
+MANY_FOR_PRIMARY, MANY_FOR_SHADOW = 2048, 256
 #: The name of what a search found, which is kept for reverse mode: nothing is searched again.
 SEARCHED = "searched"
 #: So many spheres are asked at a time whether a block's rays can meet them.
@@ -64,10 +65,10 @@ def culling(uniforms: Uniforms, program: Program) -> Culling:
     if spheres is None:
         return Culling(None, None)
 
-    def visible(rays: Pencil | Beam) -> Visible:
+    def visible(rays: Pencil | Beam, many: int) -> Visible:
         bounds = rays.bounds(spheres, program.intersection == "textbook")
         n = count(spheres)
-        if n <= MANY:
+        if n <= many:
             return Visible(rays, bounds)
         cells = grid(rays, bounds)
         by_cell = jax.tree.map(lambda leaf: leaf[cells.order], spheres)
@@ -77,7 +78,11 @@ def culling(uniforms: Uniforms, program: Program) -> Culling:
 
     to_world = uniforms.camera.view_to_world
     primary = beam(-to_world.z.xyz) if program.orthographic else pencil(uniforms.camera)
-    return Culling(visible(primary), visible(beam(uniforms.sun.direction)) if program.lighting == "shadow" else None)
+    shadow = program.lighting == "shadow"
+    return Culling(
+        visible(primary, MANY_FOR_PRIMARY),
+        visible(beam(uniforms.sun.direction), MANY_FOR_SHADOW) if shadow else None,
+    )
 
 
 @dataclass(frozen=True)

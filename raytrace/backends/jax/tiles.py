@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import lax
 
 from raytrace.backends.jax.traced import traced
@@ -49,9 +50,9 @@ class Tiles(NamedTuple):
 
     def pixels(self, row: jax.Array, column: jax.Array) -> tuple[jax.Array, jax.Array]:
         """Row and column of every pixel of the tile at that corner, one after the other."""
-        rows = lax.broadcasted_iota(jnp.int32, (self.tile_height, self.tile_width), 0).reshape(-1)
-        columns = lax.broadcasted_iota(jnp.int32, (self.tile_height, self.tile_width), 1).reshape(-1)
-        return row + rows, column + columns
+        # Constants, as counting them out costs divisions.
+        within = np.arange(self.tile_height * self.tile_width, dtype=np.int32)
+        return row + within // self.tile_width, column + within % self.tile_width
 
     def draw(self, tile: Callable[[jax.Array, jax.Array], Images]) -> Images:
         """The picture of which `tile(row, column)` draws the tile with that corner.
