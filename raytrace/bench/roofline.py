@@ -43,7 +43,7 @@ def roofline(scene: Scene | str, size: tuple[int, int], runs: int) -> Roofline:
 
 
 def _peaks() -> tuple:
-    """A loop of fused multiply-adds and a copy, on all devices: functions, and the operations and bytes that each has."""
+    """A loop of fused multiply-adds and a copy, on all devices: functions, and their operations and bytes."""
     import jax
     import jax.numpy as jnp
     from jax import lax
@@ -69,11 +69,14 @@ def _peaks() -> tuple:
         spread = jax.device_put(x, NamedSharding(devices, PartitionSpec(AXIS)))
         run = jax.jit(
             jax.shard_map(
-                lambda x: function(x[0])[None], mesh=devices, in_specs=PartitionSpec(AXIS), out_specs=PartitionSpec(AXIS),
+                lambda x: function(x[0])[None],
+                mesh=devices,
+                in_specs=PartitionSpec(AXIS),
+                out_specs=PartitionSpec(AXIS),
                 check_vma=False,
             ),
             compiler_options=OPTIONS,
-        )  # fmt: skip
+        )
         return lambda: run(spread)
 
     n = devices.size

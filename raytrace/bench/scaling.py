@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -40,10 +41,8 @@ def by_spheres(size: tuple[int, int], runs: int) -> Iterator[Point]:
         # As `render` does it when a scene is new.
         frames = {"jax float32": lambda scene=scene: render(scene, size)}
         prepared = {}
-        try:
+        with suppress(InputError):
             frames["mitsuba queries"], prepared["mitsuba queries"] = mitsuba_frame(scene, size)
-        except InputError:
-            pass
         timings = in_turn(frames, runs)
         prepared["jax float32"] = preparation(scene, size)
         for name, timing in timings.items():

@@ -79,15 +79,14 @@ def _pareto(scene: str, size: tuple[int, int], runs: int, as_json: bool, plot: P
     if as_json:
         print(json.dumps({"rows": [_json(row) | {"front": row in best} for row in rows], "missing": missing}, indent=1))
         return
-    print(
-        f"{'':36} {'median ms':>10} {'fastest':>9} {'slowest':>9} {'largest':>9} {'rms':>9} {'99.99 %':>9} {'>1/255':>7} {'at edges':>8}"
-    )
+    times, errors = ("median ms", "fastest", "slowest"), ("largest", "rms", "99.99 %", ">1/255", "at edges")
+    print(f"{'':36} " + " ".join(f"{heading:>9}" for heading in times + errors))
     for row in rows:
         name = f"{'*' if row in best else ' '} {row.name}"
-        print(f"{name:36} {row.timing.median:10.1f} {row.timing.fastest:9.1f} {row.timing.slowest:9.1f}", end="")
+        print(f"{name:36} {row.timing.median:9.1f} {row.timing.fastest:9.1f} {row.timing.slowest:9.1f}", end="")
         if row.errors:
             e = row.errors
-            print(f" {e.largest:9.1e} {e.rms:9.1e} {e.percentile_9999:9.1e} {e.over:7} {e.edge_over:8}", end="")
+            print(f" {e.largest:9.1e} {e.rms:9.1e} {e.percentile_9999:9.1e} {e.over:9} {e.edge_over:9}", end="")
         print()
     print("* not beaten in both time and rms error by another")
     for line in missing:

@@ -1,6 +1,7 @@
 """Which devices draw: all cores of this machine, and all machines of a cluster."""
 
 import os
+from contextlib import suppress
 from typing import Any
 
 import jax
@@ -22,10 +23,8 @@ def ask_for_all_cores() -> None:
     )
     if chosen:
         return
-    try:
+    with suppress(RuntimeError):  # JAX has begun: there are the devices that there are
         jax.config.update("jax_num_cpu_devices", cores())
-    except RuntimeError:
-        pass  # JAX has begun: there are the devices that there are
 
 
 def mesh() -> Mesh:

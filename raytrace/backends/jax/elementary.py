@@ -1,8 +1,8 @@
 """exp2 and log2 in float32, as array code that vectorizes.
 
-XLA has neither: it goes by way of e, which costs a multiplication's rounding of a large exponent, and its own polynomials.
-These are for what the shader needs, finite numbers: log2 of positive normal numbers errs by at most 1 unit in the last place, and exp2,
-of -126 to 127, by at most 1; below it is 0 (as a subnormal number is in XLA on the CPU), above it is infinite.
+XLA has neither: it goes by way of e, so that a large exponent's product with ln 2 is rounded. These are for what the
+shader needs. log2, of positive normal numbers, errs by at most 1.5 units in the last place; exp2, from -126 to 128, by
+at most 1. Below that exp2 is 0, as a subnormal number is in XLA on the CPU; above it is infinite.
 
 Coefficients: the logarithm's are those of Cephes (S. L. Moshier, logf.c); exp2's are minimax for the relative error on
 [-1/2, 1/2], by the exchange algorithm (tests/backends/test_elementary.py holds the bounds).

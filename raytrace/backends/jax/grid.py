@@ -1,9 +1,9 @@
 """Many spheres in the cells of grids over the two coordinates of rays (`raytrace.backends.jax.culling`).
 
-There are grids of several cell sizes, and a sphere is in the finest one whose rows are no lower than half of it. It is in
-each row that it touches, three at most, at the column of its middle. A ray looks in its own row at a run of columns as
-wide as the grid's largest spheres. A sphere that is too large for the coarsest grid is in none; those are few, and a
-block of rays asks each of them.
+There are grids of several cell sizes, and a sphere is in the finest one whose rows are no lower than half of it. It is
+in each row that it touches, three at most, at the column of its middle. A ray looks in its own row at a run of columns
+as wide as the grid's largest spheres. A sphere that is too large for the coarsest grid is in none; those are few, and
+a block of rays asks each of them.
 
 All of it is array code of shapes that depend on the number of spheres alone: other centres and radii, another camera or
 sun compile nothing again.
@@ -33,7 +33,7 @@ class Grid(NamedTuple):
     order: (ROWS * n,) indices of spheres: those in cells, cell by cell; those that no ray meets; the large ones.
     first: (cells + 1,) where in `order` each cell begins.
     small, large: how many entries are in cells or met by no ray; how many are large.
-    u, v: lower corner; cell_u, cell_v: the finest cells' sizes, a row's height and as many columns as are about as wide.
+    u, v: lower corner; cell_u, cell_v: the finest grid's row height, and the width of FINE of its columns.
     box: holds every small sphere.
     """
 

@@ -1,4 +1,4 @@
-"""Numba: the assignment's shader as a loop over pixels, in float32 and with the textbook's formula, as one would type it.
+"""Numba: the assignment's shader as a loop over pixels, in float32, as one would type it from the text.
 
 For scenes of spheres and checkerboard planes under a perspective camera, with the assignment's film.
 """
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from raytrace.errors import InputError
-from raytrace.scene.data import Checkerboard, PerspectiveCamera, Scene
+from raytrace.scene.data import Checkerboard, PerspectiveCamera, Plane, Scene
 
 __all__ = ["frame"]
 
@@ -29,13 +29,7 @@ def frame(scene: Scene, size: tuple[int, int], fastmath: bool) -> Callable[[], n
     right = right / np.linalg.norm(right)
     half = math.tan(math.radians(camera.field_of_view) / 2)
     axes = np.stack([right * half * width / height, np.cross(back, right) * half, -back])
-    planes = np.array(
-        [
-            [*plane.point, *(plane.normal / np.linalg.norm(plane.normal)), plane.pattern.tile_size]
-            + [*plane.pattern.even, *plane.pattern.odd, *plane.pattern.line]
-            for plane in scene.planes
-        ]
-    ).reshape(-1, 16)
+    planes = np.array([_row(plane) for plane in scene.planes]).reshape(-1, 16)
     numbers = [
         camera.position, axes, spheres.center, spheres.radius, spheres.color, planes,
         sun.direction / np.linalg.norm(sun.direction), sun.color, sky.low, sky.high, sky.void,
@@ -43,6 +37,11 @@ def frame(scene: Scene, size: tuple[int, int], fastmath: bool) -> Callable[[], n
     arrays = [np.ascontiguousarray(array, np.float32) for array in numbers]
     image = _compiled(fastmath)
     return lambda: image(width, height, *arrays)
+
+
+def _row(plane: Plane) -> np.ndarray:
+    normal, pattern = plane.normal / np.linalg.norm(plane.normal), plane.pattern
+    return np.concatenate([plane.point, normal, [pattern.tile_size], pattern.even, pattern.odd, pattern.line])
 
 
 @cache

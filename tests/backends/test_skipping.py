@@ -1,0 +1,197 @@
+"""Nothing that is skipped changes a bit, forward and in the gradient."""
+
+from dataclasses import replace
+
+import hypothesis
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from hypothesis import strategies as st
+
+import raytrace
+from raytrace.backends.jax import Staged, staged
+from raytrace.backends.jax.renderer import Renderer
+from raytrace.backends.job import Job
+from raytrace.rendering import Rendering
+from raytrace.shader.pixel import Frame
+from raytrace.uniforms import program_of, uniforms_of
+from tests.scenes import SEVERAL_SCENES
+from tests.strategies import many, scenes
+
+SIZE = 96, 54
+STEPS = ("t", "index", "shadow", "linear", "display")
+#: Small blocks, so that few pixels have many borders.
+SMALL = Staged(block=256)
+
+
+def both(scene, size=SIZE, intersection="robust", dtype="float32", engine=SMALL, keep=STEPS):
+    """The steps with and without skipping."""
+    uniforms, program = uniforms_of(scene, size[0] / size[1]), program_of(scene, intersection)
+    job = Job(program, Frame(*size), keep, dtype, engine=engine)
+    return tuple(
+        {
+            name: np.asarray(image)
+            for name, image in Renderer(uniforms, replace(job, skip=skip)).draw(0, size[1]).items()
+        }
+        for skip in (True, False)
+    )
+
+
+def assert_same_bits(skipped, full):
+    for name in full:
+        np.testing.assert_array_equal(skipped[name], full[name], err_msg=name)
+
+
+@SEVERAL_SCENES
+@pytest.mark.parametrize(
+    ("dtype", "intersection"), [("float32", "robust"), ("float32", "textbook"), ("float64", "textbook")]
+)
+def test_every_scene(name, dtype, intersection):
+    scene = raytrace.load_scene(name)
+    # Shadows as the picture needs them, and as the step 'shadow' asks for them at every pixel.
+    assert_same_bits(*both(scene, dtype=dtype, intersection=intersection, keep=("linear", "index")))
+    assert_same_bits(*both(scene, dtype=dtype, intersection=intersection))
+
+
+@pytest.mark.slow
+@hypothesis.settings(max_examples=25)
+@hypothesis.given(scene=scenes(), intersection=st.sampled_from(["robust", "textbook"]))
+def test_random_scenes(scene, intersection):
+    assert_same_bits(*both(scene, intersection=intersection))
+
+
+@pytest.mark.parametrize("intersection", ["robust", "textbook"])
+@pytest.mark.parametrize("n", [40, staged.MANY_FOR_SHADOW + 50, staged.MANY_FOR_PRIMARY + 100])
+def test_many_spheres(n, intersection):
+    """Lists, then cells for shadows, then cells for both; and all of these are NumPy's picture."""
+    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(n))
+    skipped, full = both(scene, (64, 36), intersection)
+    assert_same_bits(skipped, full)
+    if intersection == "robust":
+        image = raytrace.render(
+            scene, (64, 36), backend="numpy", dtype="float32", intersection="robust", output="steps"
+        )
+        assert np.mean(image["index"] == skipped["index"]) > 0.995
+        assert np.mean(image["shadow"] == skipped["shadow"]) > 0.995
+
+
+@pytest.mark.parametrize("sizes", ["all large", "large and small", "far and wide"])
+def test_cells_hold_any_mixture(sizes, monkeypatch):
+    """Spheres too large for any cell, of every size together, and a few that stretch the grid."""
+    monkeypatch.setattr(staged, "MANY_FOR_SHADOW", 20)
+    monkeypatch.setattr(staged, "MANY_FOR_PRIMARY", 20)
+    random, n = np.random.default_rng(1), 60
+    radius = {
+        "all large": random.uniform(0.5, 3, n),
+        "large and small": 10 ** random.uniform(-3, 1, n),
+        "far and wide": random.uniform(0.05, 0.2, n),
+    }[sizes]
+    center = random.uniform([-3, -0.4, -6], [3, 2, 1], (n, 3))
+    if sizes == "far and wide":
+        center[::10] *= 1e5
+    spheres = raytrace.Spheres(center=center, radius=radius, color=random.uniform(0, 1, (n, 3)))
+    scene = replace(raytrace.load_scene("checkerboard"), spheres=spheres)
+    # Another block size: the limits are not part of what a program is known by.
+    engine = Staged(block={"all large": 300, "large and small": 301, "far and wide": 302}[sizes])
+    for camera in (scene.camera, raytrace.OrthographicCamera(height=4.0)):
+        assert_same_bits(*both(replace(scene, camera=camera), engine=engine))
+
+
+@pytest.mark.slow
+@hypothesis.settings(max_examples=20)
+@hypothesis.given(
+    column=st.integers(0, 95),
+    row=st.integers(0, 53),
+    distance=st.floats(0.5, 1e4),
+    radius=st.floats(1e-3, 1),
+    data=st.data(),
+)
+def test_spheres_that_touch_a_ray(column, row, distance, radius, data):
+    """A sphere that a pixel's ray just touches, at the border of a block or not: rounding decides, skipping does not."""
+    scene = raytrace.load_scene("checkerboard")
+    rd = np.asarray(
+        Rendering("checkerboard", SIZE, backend="numpy", dtype="float64", output="steps").pixel(column, row)["rd"]
+    )
+    across = np.cross(rd, [0.3, 1, 0.2])
+    across /= np.linalg.norm(across)
+    # Off the ray by the radius, and by a few units in the last place more or less.
+    off = radius * (1 + data.draw(st.integers(-8, 8)) * 2.0**-23)
+    center = np.asarray(scene.camera.position) + distance * rd + off * across
+    spheres = raytrace.Spheres(center=[center, center], radius=[radius, radius], color=np.ones((2, 3)))
+    for intersection in ("robust", "textbook"):
+        assert_same_bits(*both(replace(scene, spheres=spheres), intersection=intersection))
+
+
+@pytest.mark.parametrize("n", [6, 300])
+def test_gradients(n):
+    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(n))
+
+    def brightness(scene, skip):
+        return raytrace.render(scene, (48, 27), skip=skip).mean()
+
+    with_and_without = [jax.grad(brightness)(scene, skip) for skip in (True, False)]
+    jax.tree.map(np.testing.assert_array_equal, *with_and_without)
+
+
+def test_of_coincident_spheres_the_last_wins_in_cells_too():
+    scene = raytrace.load_scene("checkerboard")
+    crowd = many(staged.MANY_FOR_PRIMARY + 10)
+    n = crowd.radius.shape[0]
+    twice = raytrace.Spheres(
+        *(np.concatenate([part, part[::-1]]) for part in (crowd.center, crowd.radius, crowd.color))
+    )
+    steps = raytrace.render(replace(scene, spheres=twice), (48, 27), output="steps")
+    index = np.asarray(steps["index"])
+    seen = (index >= 0) & (index < 2 * n)
+    assert seen.any()
+    assert (index[seen] >= n).all()
+
+
+def test_numpy_skips_no_bit_either():
+    for name in ("checkerboard", "skybox"):
+        images = [raytrace.render(name, SIZE, backend="numpy", skip=skip) for skip in (True, False)]
+        np.testing.assert_array_equal(*images)
+
+
+# What the scene does not have is not in the program.
+
+
+def primitives(scene, size=(32, 18)):
+    """How often each primitive occurs in the program for a scene, those within loops and branches included."""
+    uniforms, program = uniforms_of(scene, size[0] / size[1]), program_of(scene, "robust")
+    renderer = Renderer(uniforms, Job(program, Frame(*size), ("display",), "float32"))
+    counts = {}
+
+    def count(jaxpr):
+        for equation in jaxpr.eqns:
+            counts[equation.primitive.name] = counts.get(equation.primitive.name, 0) + 1
+            for value in jax.tree.leaves(list(equation.params.values()), is_leaf=lambda v: hasattr(v, "eqns")):
+                inner = getattr(value, "jaxpr", value)
+                if hasattr(inner, "eqns"):
+                    count(inner)
+
+    from raytrace.backends.jax.drawing import draw
+
+    def program_text(numbers):
+        return draw(renderer.job, size[1], renderer.devices, False, renderer.layout.unpack(numbers), None, 0, 0)
+
+    count(jax.make_jaxpr(program_text)(jnp.asarray(renderer.numbers)).jaxpr)
+    return counts
+
+
+def test_what_the_scene_lacks_is_not_in_the_program():
+    full = raytrace.load_scene("checkerboard")
+    everything = primitives(full)
+    no_planes = primitives(replace(full, planes=()))
+    no_spheres = primitives(replace(full, spheres=raytrace.Spheres()))
+    empty = primitives(replace(full, planes=(), spheres=raytrace.Spheres()))
+    # One floor for the checkerboard, in two coordinates, another for its parity.
+    assert everything["floor"] == 3
+    assert "floor" not in no_planes
+    # One loop for primary rays, one for shadow rays.
+    assert everything["while"] == 2
+    assert "while" not in no_spheres
+    assert primitives(replace(full, lighting="on"))["while"] == 1
+    assert primitives(replace(full, lighting="off"))["sqrt"] < primitives(replace(full, lighting="on"))["sqrt"]
+    assert empty["cond"] < no_spheres["cond"] < everything["cond"]
