@@ -1,7 +1,6 @@
 """Run time against error: which ways to render are not beaten in both by another."""
 
 from collections.abc import Callable
-from math import log10
 from pathlib import Path
 from typing import NamedTuple
 
@@ -57,45 +56,32 @@ def plot(rows: list[Row], title: str, path: Path) -> None:
     """
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(9, 5.5), layout="constrained")
+    figure = Figure(figsize=(10, 5.5), layout="constrained")
     axes = figure.subplots()
     axes.set_xscale("log")
     axes.set_yscale("log")
     drawn = [row for row in rows if row.errors and row.errors.rms > 0]
     best = [row for row in front(rows) if row in drawn]
     axes.plot([row.timing.median for row in best], [row.errors.rms for row in best], color="C0", zorder=2)
-    for row in drawn:
-        leads = row in best
-        color = "C0" if leads else "0.6"
+    for number, row in enumerate(drawn, start=1):
+        color = "C0" if row in best else "0.6"
         spread = [[row.timing.median - row.timing.fastest], [row.timing.slowest - row.timing.median]]
-        axes.errorbar(row.timing.median, row.errors.rms, xerr=spread, fmt="o", color=color, capsize=2, zorder=3)
-    _label(axes, drawn, best)
+        point = row.timing.median, row.errors.rms
+        label = f"{number}  {row.name}"
+        axes.errorbar(*point, xerr=spread, fmt="o", color=color, capsize=2, zorder=3, label=label)
+        # Neighbours in time have their numbers on different sides.
+        below = number % 2 == 0
+        offset = (0, -7) if below else (0, 5)
+        alignment = {"ha": "center", "va": "top" if below else "bottom", "fontsize": 8, "color": color}
+        axes.annotate(str(number), point, xytext=offset, textcoords="offset points", **alignment)
     for row in rows:
         if row.errors is None:
-            axes.axvline(row.timing.median, color="C1", linestyle=":", zorder=1)
-            axes.annotate(
-                row.name, (row.timing.median, 0.03), xycoords=("data", "axes fraction"), rotation=90,
-                ha="right", fontsize=8, color="C1",
-            )  # fmt: skip
+            axes.axvline(row.timing.median, color="C1", linestyle=":", zorder=1, label=row.name)
     axes.set_xlabel("milliseconds a frame (median; bars: fastest and slowest)")
     axes.set_ylabel("root mean square error of display values,\npixels on a discontinuity left out")
     axes.set_title(title)
     axes.grid(which="major", color="0.9")
-    axes.margins(0.12)
+    axes.margins(0.08)
+    figure.legend(loc="outside right upper", fontsize=8, frameon=False, handlelength=1.2)
     with whole_file(path) as temporary:
         figure.savefig(temporary, format=path.suffix[1:], dpi=120)
-
-
-def _label(axes: object, drawn: list[Row], best: list[Row]) -> None:
-    """Each point's name, moved up or down where it would stand on another's."""
-    placed: list[tuple[float, float]] = []
-    for row in sorted(drawn, key=lambda row: (row.errors.rms, row.timing.median)):
-        x, y = log10(row.timing.median), log10(row.errors.rms)
-        offset = 4
-        while any(abs(x - other) < 0.45 and abs(y + offset / 60 - height) < 0.16 for other, height in placed):
-            offset += 9
-        placed.append((x, y + offset / 60))
-        axes.annotate(
-            row.name, (row.timing.median, row.errors.rms), xytext=(5, offset), textcoords="offset points",
-            fontsize=7.5, color="C0" if row in best else "0.4",
-        )  # fmt: skip

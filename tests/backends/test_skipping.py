@@ -108,7 +108,7 @@ def test_cells_hold_any_mixture(sizes, monkeypatch):
     data=st.data(),
 )
 def test_spheres_that_touch_a_ray(column, row, distance, radius, data):
-    """A sphere that a pixel's ray just touches, at the border of a block or not: rounding decides, skipping does not."""
+    """A sphere that a pixel's ray just touches, at a block's border or not: rounding decides, skipping does not."""
     scene = raytrace.load_scene("checkerboard")
     rd = np.asarray(
         Rendering("checkerboard", SIZE, backend="numpy", dtype="float64", output="steps").pixel(column, row)["rd"]

@@ -9,9 +9,9 @@ A ray that misses must be one that the shader, in floating point, calls a miss. 
 blocks of rays wider, by more than all roundings together. With u half the machine epsilon, `ro - center` errs by
 u (|ro| + |center|) in each coordinate, b = dot(ro, rd) by 4 u D at a distance D, `nearest = ro - b * rd` by at most
 12 u D, |rd|^2 by 6 u, and the squares by 4 u of themselves: together under 16 u (D + |ro| + |center|) in length for the
-robust formula. The textbook's ``b*b - c`` errs by at most 16 u D^2 + 2 u r^2, so there the *square* of the radius grows by
-that; the sign of t needs the same, since it hangs on ``|ro|^2 - r^2``. `SLACK` is twice that, in machine epsilons,
-and covers the roundings of this file's own arithmetic too.
+robust formula. The textbook's ``b*b - c`` errs by at most 16 u D^2 + 2 u r^2, so there the *square* of the radius
+grows by that; the sign of t needs the same, since it hangs on ``|ro|^2 - r^2``. `SLACK` is twice that, in machine
+epsilons, and covers the roundings of this file's own arithmetic too.
 """
 
 from typing import NamedTuple

@@ -82,7 +82,7 @@ def _compiled(fastmath: bool) -> Any:
                 dy /= length
                 dz /= length
 
-                best, sphere, plane = f32(np.inf), -1, -1
+                best, sphere, plane = f32(3e38), -1, -1
                 for i in range(radius.size):
                     ox, oy, oz = ro[0] - center[i, 0], ro[1] - center[i, 1], ro[2] - center[i, 2]
                     t = sphere_intersect(ox, oy, oz, dx, dy, dz, radius[i])
@@ -100,7 +100,7 @@ def _compiled(fastmath: bool) -> Any:
                         if t > f32(0) and t < best:
                             best, plane = t, i
 
-                if best == f32(np.inf):
+                if sphere < 0 and plane < 0:
                     if dy < f32(0):
                         r, g, b = void[0], void[1], void[2]
                     else:
