@@ -16,7 +16,7 @@ from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import pixels
 from raytrace.shader.uniforms import Uniforms
 
-__all__ = ["draw", "engine_of"]
+__all__ = ["draw", "engine_of", "tiles_of"]
 
 Images = dict[str, jax.Array]
 
@@ -49,8 +49,11 @@ def draw(
     # Each device has some columns of every row, which share the sky and the ground about equally.
     columns = -(-width // devices.size)
 
+    tiles = tiles_of(job, rows, columns)
+
     def part(device: jax.Array, *args: Any) -> Images:
-        return _part(job, Tiles.of(rows, columns, engine_of(job).block), device[0] * columns, differentiated, *args)
+        images = _part(job, tiles, device[0] * columns, differentiated, *args)
+        return jax.tree.map(lambda image: image[:, :columns], images) if tiles.width > columns else images
 
     numbers, args = jnp.arange(devices.size, dtype=jnp.int32), (uniforms, culled, mode, first)
     if devices.size > 1:
@@ -68,6 +71,15 @@ def draw(
         return image if COMPONENTS[name] > 1 else image.reshape(rows, width)
 
     return {name: trimmed(name, image) for name, image in part(numbers, *args).items()}
+
+
+def tiles_of(job: Job, rows: int, columns: int) -> Tiles:
+    """The tiles of a part of the image, of a size that does not depend on how many parts there are.
+
+    So the kernels are the same, to the last bit, on any number of devices.
+    """
+    whole = Tiles.of(rows, job.frame.width, engine_of(job).block)
+    return whole._replace(width=max(columns, whole.tile_width))
 
 
 def _part(

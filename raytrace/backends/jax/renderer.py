@@ -13,11 +13,10 @@ from jax import lax
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from raytrace.backends.jax.devices import ask_for_all_cores, fetched, mesh
-from raytrace.backends.jax.drawing import draw, engine_of
+from raytrace.backends.jax.drawing import draw, engine_of, tiles_of
 from raytrace.backends.jax.packing import Layout, pack
 from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, culling
 from raytrace.backends.jax.stored import stored
-from raytrace.backends.jax.tiles import Tiles
 from raytrace.backends.job import Job
 from raytrace.errors import InputError
 from raytrace.shader.control import count
@@ -156,7 +155,7 @@ class Renderer:
     def cost(self, count: int) -> tuple[dict[str, float], int]:
         """XLA's count of the operations and bytes of one tile, and how many tiles all devices draw for `count` rows."""
         columns = -(-self.job.frame.width // self.devices.size)
-        tiles = Tiles.of(count, columns, engine_of(self.job).block)
+        tiles = tiles_of(self.job, count, columns)
         with self._outside():
             return self._program(count, self._prepared()).cost_analysis(), tiles.down * tiles.across * self.devices.size
 

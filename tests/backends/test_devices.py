@@ -1,0 +1,164 @@
+"""One device, eight, and two processes give the same bits."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import raytrace
+
+SIZE = "200x120"
+RENDER = (
+    "import sys, jax, numpy as np, raytrace\n"
+    "image = raytrace.render(sys.argv[1], (200, 120))\n"
+    "assert len(image.sharding.device_set) == int(sys.argv[3]), image.sharding\n"
+    "np.save(sys.argv[2], image)\n"
+)
+
+
+def drawn(tmp_path, scene, devices, flags=""):
+    out = tmp_path / f"{devices}.npy"
+    env = os.environ | {"XLA_FLAGS": flags, "RAYTRACE_CACHE": "off"}
+    subprocess.run([sys.executable, "-c", RENDER, scene, str(out), str(devices)], check=True, env=env)
+    return np.load(out)
+
+
+@pytest.mark.parametrize("scene", ["checkerboard", "two-hundred-spheres"])
+def test_eight_devices(tmp_path, scene):
+    one, eight = (drawn(tmp_path, scene, n, f"--xla_force_host_platform_device_count={n}") for n in (1, 8))
+    np.testing.assert_array_equal(one, eight)
+
+
+def test_every_core_has_a_device_unless_jax_has_begun(tmp_path):
+    from raytrace.cores import cores
+
+    drawn(tmp_path, "sphere", cores())
+    begun = RENDER.replace("image =", "jax.devices(); image =")
+    subprocess.run([sys.executable, "-c", begun, "sphere", str(tmp_path / "a.npy"), "1"], check=True)
+
+
+def test_a_width_that_the_devices_cannot_share(tmp_path):
+    code = (
+        "import sys, numpy as np, raytrace\n"
+        "np.save(sys.argv[1], raytrace.render('checkerboard', (101, 40)))\n"
+        "np.save(sys.argv[2], raytrace.render('checkerboard', (101, 40), skip=False))\n"
+    )
+    images = []
+    for n in (1, 3):
+        paths = [str(tmp_path / f"{n}-{name}.npy") for name in "ab"]
+        env = os.environ | {"XLA_FLAGS": f"--xla_force_host_platform_device_count={n}"}
+        subprocess.run([sys.executable, "-c", code, *paths], check=True, env=env)
+        images += [np.load(path) for path in paths]
+    for image in images[1:]:
+        assert image.shape == (40, 101, 3)
+        np.testing.assert_array_equal(image, images[0])
+
+
+COMMAND = [sys.executable, "-c", "from raytrace.cli import run; run()"]
+
+
+def free_port():
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
+
+
+def test_two_processes_render_one_image(tmp_path):
+    alone, together = tmp_path / "alone.exr", tmp_path / "together.exr"
+    subprocess.run([*COMMAND, "render", "--size", SIZE, "-o", str(alone)], check=True)
+    joined = ["--coordinator", f"127.0.0.1:{free_port()}", "--hosts", "2"]
+    processes = [
+        subprocess.Popen(
+            [*COMMAND, "render", "--size", SIZE, "-o", together, *joined, "--process-id", str(i)],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        for i in range(2)
+    ]
+    told = [process.communicate(timeout=240)[0] for process in processes]
+    assert [process.returncode for process in processes] == [0, 0]
+    assert "together.exr" in told[0]
+    assert "together.exr" not in told[1]
+    np.testing.assert_array_equal(raytrace.read_image(alone), raytrace.read_image(together))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--hosts", "2"], "give all three"),
+        (["--coordinator", "localhost:1", "--hosts", "2", "--process-id", "2"], "must be from 0 to 1"),
+        (["--coordinator", "localhost", "--hosts", "2", "--process-id", "0"], "must be HOST:PORT"),
+        (["--cluster"], "no scheduler"),
+        (["--cluster", "--backend", "numpy"], "only jax"),
+    ],
+)
+def test_mistakes_are_one_line(tmp_path, options, message):
+    ended = subprocess.run([*COMMAND, "render", *options], capture_output=True, text=True, cwd=tmp_path)
+    assert ended.returncode == 2, ended.stderr
+    assert message in ended.stderr
+    assert ended.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+# Programs are compiled once: for all values, and for the next process.
+
+
+def compilations(code, cache):
+    """How often JAX compiled something for the image while `code` ran in a new process."""
+    counted = (
+        "import json, logging, jax, raytrace\n"
+        "from jax._src import monitoring\n"
+        "events = []\n"
+        "monitoring.register_event_duration_secs_listener(lambda name, seconds, **_: events.append(name))\n"
+        "def compiled():\n"
+        "    return sum(name.endswith('backend_compile_duration') for name in events)\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", counted + code], check=True, capture_output=True, text=True,
+        env=os.environ | {"RAYTRACE_CACHE": str(cache)},
+    )  # fmt: skip
+    return json.loads(ended.stdout)
+
+
+def test_other_values_are_not_compiled_again():
+    code = (
+        "from dataclasses import replace\n"
+        "def drawn(*changes, n=0):\n"
+        "    scene = raytrace.load_scene('checkerboard', list(changes))\n"
+        "    if n:\n"
+        "        import numpy as np\n"
+        "        random = np.random.default_rng(len(changes))\n"
+        "        center, color = random.uniform(-3, 3, (n, 3)), random.uniform(0, 1, (n, 3))\n"
+        "        spheres = raytrace.Spheres(center, random.uniform(.1, .2, n), color)\n"
+        "        scene = replace(scene, spheres=spheres)\n"
+        "    raytrace.render(scene, (40, 20)).block_until_ready()\n"
+        "counts = []\n"
+        "for n in (0, 300):\n"
+        "    drawn(n=n); first = compiled()\n"
+        "    drawn('sun.direction=[0,1,0]', n=n); drawn('camera.position=[0,1,3]', 'sky.low=[0,0,0]', n=n)\n"
+        "    raytrace.render('checkerboard', (40, 20), skip=False).block_until_ready()\n"
+        "    counts.append([first > 0, compiled() - first])\n"
+        "print(json.dumps(counts))\n"
+    )
+    assert compilations(code, "off") == [[True, 0], [True, 0]]
+
+
+def test_the_next_process_does_not_compile(tmp_path):
+    code = "raytrace.render('checkerboard', (40, 20)).block_until_ready(); print(json.dumps(compiled()))"
+    assert compilations(code, tmp_path) > 0
+    (program,) = tmp_path.glob("*.program")
+    assert compilations(code, tmp_path) == 0
+    # A file that does not load is replaced.
+    program.write_bytes(program.read_bytes()[:1000])
+    assert compilations(code, tmp_path) > 0
+    assert compilations(code, tmp_path) == 0
+
+
+def test_a_cache_that_cannot_be_written_is_no_error(tmp_path):
+    (tmp_path / "file").write_text("")
+    code = "raytrace.render('sphere', (40, 20)).block_until_ready(); print(json.dumps(compiled()))"
+    assert compilations(code, tmp_path / "file") > 0
