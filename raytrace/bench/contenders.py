@@ -59,7 +59,7 @@ def plain_jit(scene: Scene | str, size: tuple[int, int]) -> Callable[[], Any]:
     return Rendering(scene, size, engine=OneProgram()).whole
 
 
-def mitsuba_frame(scene: Scene, size: tuple[int, int]) -> tuple[Callable[[], None], float]:
+def mitsuba_frame(scene: Scene, size: tuple[int, int]) -> tuple[Callable[[], Any], float]:
     """Mitsuba's queries, and the milliseconds that it took to build its structures.
 
     Raises:

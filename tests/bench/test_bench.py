@@ -1,6 +1,4 @@
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -64,22 +62,6 @@ def test_crowds_cover_alike():
         index = np.asarray(raytrace.render(scene, (160, 90), output="steps")["index"])
         shares.append(np.mean((index >= 0) & (index < n)))
     assert shares[0] == pytest.approx(shares[1], rel=0.25)
-
-
-def test_the_numba_loop_is_the_same_picture():
-    pytest.importorskip("numba", reason="needs numba: pip install '.[bench]'")
-    # In a process of its own: Numba cannot compile what the suite's checks of annotations are wrapped around.
-    code = (
-        "import raytrace\n"
-        "from raytrace.bench.errors import reference\n"
-        "from raytrace.bench.peers.numba_loop import frame\n"
-        "scene = raytrace.load_scene('checkerboard')\n"
-        "exact = reference(scene, (96, 54))\n"
-        "for fastmath in (False, True):\n"
-        "    errors = exact.errors(frame(scene, (96, 54), fastmath)())\n"
-        "    assert errors.over == 0 and errors.largest < 1e-3, errors\n"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_the_plot_is_drawn(tmp_path):

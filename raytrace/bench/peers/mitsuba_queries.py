@@ -69,8 +69,8 @@ def _across(normal: np.ndarray) -> list[float]:
     return np.eye(3)[np.argmin(np.abs(normal))].tolist()
 
 
-def queries(scene: Scene, size: tuple[int, int], world: Any) -> Callable[[], None]:
-    """A frame: the closest hit of each pixel's ray, and whether something is between it and the sun."""
+def queries(scene: Scene, size: tuple[int, int], world: Any) -> Callable[[], tuple]:
+    """A frame: t of the closest hit of each pixel's ray, and whether something is between it and the sun."""
     mitsuba = prepared()
     import drjit
 
@@ -88,7 +88,7 @@ def queries(scene: Scene, size: tuple[int, int], world: Any) -> Callable[[], Non
     axes = [mitsuba.Vector3f(axis.tolist()) for axis in (right * (half * width / height), up * half, -back)]
     towards_sun = mitsuba.Vector3f((scene.sun.direction / np.linalg.norm(scene.sun.direction)).tolist())
 
-    def frame() -> None:
+    def frame() -> tuple:
         pixel = drjit.arange(mitsuba.UInt32, width * height)
         x = 2 * (mitsuba.Float(pixel % width) + 0.5) / width - 1
         y = 1 - 2 * (mitsuba.Float(pixel // width) + 0.5) / height
@@ -98,5 +98,6 @@ def queries(scene: Scene, size: tuple[int, int], world: Any) -> Callable[[], Non
         shadow = world.ray_test(mitsuba.Ray3f(point, towards_sun), active=hit.is_valid())
         drjit.eval(hit.t, shadow)
         drjit.sync_thread()
+        return hit.t, shadow
 
     return frame
