@@ -1,32 +1,64 @@
 """The readable backend: NumPy in float32, float64 or longdouble.
 
-The image is rendered in blocks of rows, a few at a time, one a thread; memory is bounded by the result and those
-blocks. A branch computes only the pixels that take it. Every pixel's bits are those of the plain engine: NumPy's
-elementwise functions do not care where in an array a number stands.
+The image is rendered in tiles, a few at a time, one a thread; memory is bounded by the result and those tiles. A branch
+computes only the pixels that take it, and a loop over spheres asks those alone that the tile's rays can meet. Every
+pixel's bits are those of the plain engine: NumPy's elementwise functions do not care where in an array a number stands.
 """
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from raytrace.backends.culling import Beam, Bounds, Pencil, Region, outside, primary_rays, shadow_rays
 from raytrace.backends.job import Job
 from raytrace.cores import cores
 from raytrace.shader.control import Engine, running
+from raytrace.shader.hit import Hit
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import pixels
 from raytrace.shader.tree import tree_map
-from raytrace.shader.uniforms import Uniforms
+from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
 __all__ = ["Masked", "Renderer"]
 
-#: Pixels of a block: its planes fit into the cache.
-BLOCK = 1 << 14
+#: Sides of a tile, in pixels: its planes fit into the cache.
+TILE = 128
+
+
+class Visible(NamedTuple):
+    """Where one kind of rays can meet spheres."""
+
+    rays: Pencil | Beam
+    bounds: Bounds
 
 
 class Masked(Engine):
-    """A branch calls each side with the pixels that take it, and not at all where there are none."""
+    """Leaves out what no pixel needs.
+
+    A branch calls each side with the pixels that take it, and not at all where there are none.
+    """
+
+    def __init__(self, uniforms: Uniforms, program: Program):
+        self.quadratic = program.intersection == "textbook"
+        kinds = primary_rays(uniforms, program), shadow_rays(uniforms, program)
+        self.primary, self.shadow = (
+            None
+            if rays is None or uniforms.spheres is None
+            else Visible(rays, rays.bounds(uniforms.spheres, self.quadratic))
+            for rays in kinds
+        )
+
+    def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
+        visible = self.primary if isinstance(start, Hit) else self.shadow
+        if visible is None or not isinstance(items, Sphere):
+            return super().each(items, body, start, args, unroll)
+        region = Region.of(visible.rays.coordinates(*args, self.quadratic), np.True_)
+        state = start
+        for i in np.flatnonzero(~outside(visible.bounds, region)):
+            state = body(state, i, tree_map(lambda leaf, i=i: leaf[i], items), *args)
+        return state
 
     def branch(self, condition: Any, then: Callable, other: Callable, args: tuple) -> Any:
         chosen = np.flatnonzero(condition)
@@ -47,9 +79,6 @@ class Masked(Engine):
         return tree_map(merged, then(*of(chosen)), other(*of(rest)))
 
 
-_MASKED = Masked()
-
-
 class Renderer:
     """A scene, ready to be rendered; see `raytrace.backends.Renderer`."""
 
@@ -57,6 +86,9 @@ class Renderer:
         given = np.float64 if job.exact_inputs else np.float32
         self.uniforms = tree_map(lambda x: np.asarray(x, given).astype(job.dtype), uniforms)
         self.job = job
+        with np.errstate(all="ignore"):
+            usual = Masked(self.uniforms, job.program) if job.skip else Engine()
+        self.engine = job.engine or usual
 
     def about(self) -> dict[str, str]:
         return {"renderer": f"NumPy {np.__version__}"}
@@ -66,24 +98,28 @@ class Renderer:
 
     def draw(self, first: int, count: int) -> dict[str, np.ndarray]:
         images = {name: _empty(name, count, self.job.frame.width, self.job.dtype) for name in self.job.keep}
-        rows = max(1, BLOCK // self.job.frame.width)
-        starts = range(0, count, rows)
+        width = self.job.frame.width
+        tiles = [
+            (slice(row, row + TILE), slice(column, column + TILE))
+            for row in range(0, count, TILE)
+            for column in range(0, width, TILE)
+        ]
         pool = ThreadPoolExecutor(cores())
         try:
-            for block in [pool.submit(self._fill, images, first, slice(start, start + rows)) for start in starts]:
-                block.result()
+            for tile in [pool.submit(self._fill, images, first, *tile) for tile in tiles]:
+                tile.result()
         finally:
-            # After an error or an interruption the blocks that have not begun are not begun.
+            # After an error or an interruption the tiles that have not begun are not begun.
             pool.shutdown(cancel_futures=True)
         return images
 
-    def _fill(self, images: dict[str, np.ndarray], first: int, rows: slice) -> None:
-        """Renders those rows of `images`, whose row 0 is the image's row `first`."""
-        parts = {name: image[rows] for name, image in images.items()}
-        height = len(next(iter(parts.values())))
-        column = np.arange(self.job.frame.width, dtype=self.job.dtype)[None, :]
+    def _fill(self, images: dict[str, np.ndarray], first: int, rows: slice, columns: slice) -> None:
+        """Renders a tile of `images`, whose row 0 is the image's row `first`."""
+        parts = {name: image[rows, columns] for name, image in images.items()}
+        height, width = next(iter(parts.values())).shape[:2]
+        column = np.arange(columns.start, columns.start + width, dtype=self.job.dtype)[None, :]
         row = np.arange(first + rows.start, first + rows.start + height, dtype=self.job.dtype)[:, None]
-        with running(self.job.engine or (_MASKED if self.job.skip else Engine())), np.errstate(all="ignore"):
+        with running(self.engine), np.errstate(all="ignore"):
             steps = pixels(self.uniforms, self.job.program, column, row, self.job.frame, self.job.keep)
         for name, part in parts.items():
             if COMPONENTS[name] == 1:

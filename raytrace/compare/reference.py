@@ -4,7 +4,7 @@ from functools import cached_property
 
 import numpy as np
 
-from raytrace.backends.numpy import BLOCK, Masked
+from raytrace.backends.numpy import TILE, Masked
 from raytrace.compare.views import View
 from raytrace.rendering import Rendering
 from raytrace.scene import Scene
@@ -39,11 +39,11 @@ class Reference:
         columns, rows = view.pixels(self.frame.width, self.frame.height)
         columns, rows = columns[::every], rows[::every]
         image = np.empty((len(rows), len(columns), 3))
-        size = max(1, BLOCK // len(columns))
+        size, engine = max(1, TILE**2 // len(columns)), Masked(uniforms, program)
         for first in range(0, len(rows), size):
             part = slice(first, first + size)
             column, row = np.meshgrid(columns, rows[part])
-            with running(Masked()), np.errstate(all="ignore"):
+            with running(engine), np.errstate(all="ignore"):
                 steps = pixels(uniforms, program, column, row, self.frame, ("display",))
             for channel, plane in enumerate(steps.display):
                 image[part, :, channel] = plane

@@ -1,4 +1,4 @@
-"""Many spheres in the cells of grids over the two coordinates of rays (`raytrace.backends.jax.culling`).
+"""Many spheres in the cells of grids over the two coordinates of rays (`raytrace.backends.culling`).
 
 There are grids of several cell sizes, and a sphere is in the finest one whose rows are no lower than half of it. It is
 in each row that it touches, three at most, at the column of its middle. A ray looks in its own row at a run of columns
@@ -14,7 +14,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from raytrace.backends.jax.culling import Beam, Bounds, Coordinates, Pencil, Region, outside
+from raytrace.backends.culling import Beam, Bounds, Coordinates, Pencil, Region, outside
 
 __all__ = ["Candidates", "Grid", "candidates", "grid"]
 

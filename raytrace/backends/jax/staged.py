@@ -16,8 +16,8 @@ import jax.numpy as jnp
 from jax import lax
 from jax.ad_checkpoint import checkpoint_name
 
+from raytrace.backends.culling import Beam, Bounds, Pencil, Region, outside, primary_rays, shadow_rays
 from raytrace.backends.jax import elementary
-from raytrace.backends.jax.culling import Beam, Bounds, Pencil, Region, beam, outside, pencil
 from raytrace.backends.jax.engines import OneProgram, shaped
 from raytrace.backends.jax.grid import Grid, candidates, grid
 from raytrace.backends.jax.traced import traced
@@ -76,12 +76,10 @@ def culling(uniforms: Uniforms, program: Program) -> Culling:
         large = jnp.pad(lax.dynamic_slice(padded, (cells.small,), (n,)), (0, CHUNK))
         return Visible(rays, bounds, cells, by_cell, large)
 
-    to_world = uniforms.camera.view_to_world
-    primary = beam(-to_world.z.xyz) if program.orthographic else pencil(uniforms.camera)
-    shadow = program.lighting == "shadow"
+    to_sun = shadow_rays(uniforms, program)
     return Culling(
-        visible(primary, MANY_FOR_PRIMARY),
-        visible(beam(uniforms.sun.direction), MANY_FOR_SHADOW) if shadow else None,
+        visible(primary_rays(uniforms, program), MANY_FOR_PRIMARY),
+        None if to_sun is None else visible(to_sun, MANY_FOR_SHADOW),
     )
 
 

@@ -14,15 +14,15 @@ grows by that; the sign of t needs the same, since it hangs on ``|ro|^2 - r^2``.
 epsilons, and covers the roundings of this file's own arithmetic too.
 """
 
+from math import inf, nan
 from typing import NamedTuple
 
-import jax
-import jax.numpy as jnp
+from raytrace.shader.glsl import Vec3, cross, dot, maximum, normalize, select
+from raytrace.shader.namespace import constant, namespace
+from raytrace.shader.types import Array
+from raytrace.shader.uniforms import Camera, Program, Sphere, Uniforms
 
-from raytrace.shader.glsl import Vec3, cross, dot, normalize
-from raytrace.shader.uniforms import Camera, Sphere
-
-__all__ = ["Beam", "Bounds", "Coordinates", "Pencil", "Region", "beam", "outside", "pencil"]
+__all__ = ["Beam", "Bounds", "Coordinates", "Pencil", "Region", "outside", "primary_rays", "shadow_rays"]
 
 #: What is added to a radius, in machine epsilons of the distances that enter.
 SLACK = 32
@@ -33,42 +33,48 @@ FLATTEST = 1e-2
 class Bounds(NamedTuple):
     """A rectangle for each sphere, and how far along the rays it reaches; arrays (n,). NaN bounds nothing."""
 
-    u_low: jax.Array
-    u_high: jax.Array
-    v_low: jax.Array
-    v_high: jax.Array
-    w_high: jax.Array
+    u_low: Array
+    u_high: Array
+    v_low: Array
+    v_high: Array
+    w_high: Array
 
 
 class Coordinates(NamedTuple):
     """Where rays are: planes. `error` is what u and v, and w, may err by, with all that hitting a sphere may err by."""
 
-    u: jax.Array
-    v: jax.Array
-    w: jax.Array
-    error: jax.Array
-    w_error: jax.Array
+    u: Array
+    v: Array
+    w: Array
+    error: Array
+    w_error: Array
 
 
 class Region(NamedTuple):
     """A rectangle that holds a block's rays, and the start of the rearmost; numbers of shape ()."""
 
-    u_low: jax.Array
-    u_high: jax.Array
-    v_low: jax.Array
-    v_high: jax.Array
-    w_low: jax.Array
+    u_low: Array
+    u_high: Array
+    v_low: Array
+    v_high: Array
+    w_low: Array
 
     @classmethod
-    def of(cls, where: Coordinates, among: jax.Array) -> "Region":
+    def of(cls, where: Coordinates, among: Array) -> "Region":
         """The region of those rays for which `among` holds; an empty one where there are none."""
-        low = lambda x, e: jnp.min(jnp.where(among, x - e, jnp.inf))  # noqa: E731
-        high = lambda x, e: jnp.max(jnp.where(among, x + e, -jnp.inf))  # noqa: E731
         u, v, w, error, w_error = where
+        xp = namespace(u)
+
+        def low(x: Array, error: Array) -> Array:
+            return xp.min(select(among, x - error, inf))
+
+        def high(x: Array, error: Array) -> Array:
+            return xp.max(select(among, x + error, -inf))
+
         return cls(low(u, error), high(u, error), low(v, error), high(v, error), low(w, w_error))
 
 
-def outside(bounds: Bounds, region: Region) -> jax.Array:
+def outside(bounds: Bounds, region: Region) -> Array:
     """Whether no ray of the region can meet the sphere of these bounds; False where either is NaN."""
     return (
         (bounds.u_high < region.u_low)
@@ -93,33 +99,33 @@ class Pencil(NamedTuple):
     def coordinates(self, ro: Vec3, rd: Vec3, quadratic: bool) -> Coordinates:
         forward = dot(self.z, rd)
         u, v = dot(self.x, rd) / forward, dot(self.y, rd) / forward
-        widest = jnp.maximum(_length(self.x), _length(self.y)) + jnp.maximum(abs(u), abs(v)) * _length(self.z)
+        widest = maximum(_length(self.x), _length(self.y)) + maximum(abs(u), abs(v)) * _length(self.z)
         error = SLACK * _epsilon(u) * widest / forward
-        none = jnp.zeros((), u.dtype)
-        return Coordinates(u, v, none, jnp.where(forward > 0, error, jnp.inf), none)
+        none = constant(0, u)
+        return Coordinates(u, v, none, select(forward > 0, error, inf), none)
 
     def bounds(self, spheres: Sphere, quadratic: bool) -> Bounds:
         center = spheres.center - self.apex
         distance = _length(center)
         slack = SLACK * _epsilon(distance)
         radius = spheres.radius
-        grown = jnp.sqrt(radius * radius + slack * distance * distance)
+        grown = _sqrt(radius * radius + slack * distance * distance)
         extra = slack * (distance + radius + _size(spheres.center) + _size(self.apex))
         reach = (grown if quadratic else radius) + extra
         forward, flat = dot(self.z, center), _length(self.z)
         depth = forward - reach * flat
 
-        def interval(axis: Vec3) -> tuple[jax.Array, jax.Array]:
+        def interval(axis: Vec3) -> tuple[Array, Array]:
             """|dot(axis, c) - x * dot(z, c)| <= reach * |axis - x * z| solved for x, without cancellation."""
             middle = dot(axis, center) / forward
             half = reach * _length(axis - middle * self.z) / depth
             # The apex plane cuts the sphere: it may be anywhere.
             unbounded = ~(depth > slack * distance * flat)
-            return jnp.where(unbounded, -jnp.inf, middle - half), jnp.where(unbounded, jnp.inf, middle + half)
+            return select(unbounded, -inf, middle - half), select(unbounded, inf, middle + half)
 
         behind = forward + (grown + extra) * flat < -slack * distance * flat
         (u_low, u_high), (v_low, v_high) = interval(self.x), interval(self.y)
-        return Bounds(u_low, u_high, v_low, v_high, jnp.where(behind, -jnp.inf, jnp.inf))
+        return Bounds(u_low, u_high, v_low, v_high, select(behind, constant(-inf, forward), inf))
 
 
 class Beam(NamedTuple):
@@ -142,11 +148,21 @@ class Beam(NamedTuple):
         center, radius = spheres.center, spheres.radius
         size = _size(center)
         slack = SLACK * _epsilon(size)
-        grown = jnp.sqrt(radius * radius + 2 * slack * size * size)
+        grown = _sqrt(radius * radius + 2 * slack * size * size)
         extra = slack * (size + radius)
         reach = (grown if quadratic else radius) + extra
         u, v, w = dot(self.x, center), dot(self.y, center), dot(self.direction, center)
         return Bounds(u - reach, u + reach, v - reach, v + reach, w + grown + extra)
+
+
+def primary_rays(uniforms: Uniforms, program: Program) -> Pencil | Beam:
+    """The rays of the scene's camera."""
+    return beam(-uniforms.camera.view_to_world.z.xyz) if program.orthographic else pencil(uniforms.camera)
+
+
+def shadow_rays(uniforms: Uniforms, program: Program) -> Beam | None:
+    """The rays to the sun, where the program has any."""
+    return beam(uniforms.sun.direction) if program.lighting == "shadow" else None
 
 
 def pencil(camera: Camera) -> Pencil:
@@ -158,7 +174,7 @@ def pencil(camera: Camera) -> Pencil:
     a, b, c = (axis / length for axis, length in zip((a, b, c), lengths, strict=True))
     rows = cross(b, c), cross(c, a), cross(a, b)
     volume = dot(a, rows[0])
-    volume = jnp.where(abs(volume) > FLATTEST, volume, jnp.nan)
+    volume = select(abs(volume) > FLATTEST, volume, nan)
     x, y, z = (row / (volume * length) for row, length in zip(rows, lengths, strict=True))
     return Pencil(camera.view_to_world.w.xyz, x, y, z)
 
@@ -170,19 +186,25 @@ def beam(direction: Vec3) -> Beam:
     # The axis that is farthest from the direction is surely not along it.
     along_x = (size.x <= size.y) & (size.x <= size.z)
     along_y = ~along_x & (size.y <= size.z)
-    axis = Vec3(*(jnp.where(choice, 1, 0).astype(size.x.dtype) for choice in (along_x, along_y, ~(along_x | along_y))))
+    one = constant(1, size.x)
+    axis = Vec3(*(select(choice, one, 0) for choice in (along_x, along_y, ~(along_x | along_y))))
     x = normalize(cross(axis, direction))
     return Beam(x, cross(direction, x), direction)
 
 
-def _length(v: Vec3) -> jax.Array:
-    return jnp.sqrt(dot(v, v))
+def _length(v: Vec3) -> Array:
+    return _sqrt(dot(v, v))
 
 
-def _size(v: Vec3) -> jax.Array:
+def _sqrt(x: Array) -> Array:
+    # Not the shader's: here a NaN must stay one.
+    return namespace(x).sqrt(x)
+
+
+def _size(v: Vec3) -> Array:
     """The sum of the components' sizes, which is at least the length and needs no root."""
     return abs(v.x) + abs(v.y) + abs(v.z)
 
 
-def _epsilon(x: jax.Array) -> float:
-    return float(jnp.finfo(x.dtype).eps)
+def _epsilon(x: Array) -> float:
+    return float(namespace(x).finfo(x.dtype).eps)
