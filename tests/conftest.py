@@ -1,5 +1,9 @@
 """Settings of the whole suite. Annotations of the package are checked at run time: see pyproject.toml."""
 
+import gc
+import sys
+from pathlib import Path
+
 import pytest
 from hypothesis import HealthCheck, settings
 
@@ -15,6 +19,16 @@ settings.load_profile("raytrace")
 def in_empty_folder(tmp_path, monkeypatch):
     """Every test runs in a folder of its own, so that what it writes by default goes there."""
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture(autouse=True)
+def not_too_many_programs():
+    """JAX keeps every program, each with hundreds of memory mappings, of which Linux lets a process have 65530."""
+    yield
+    maps = Path("/proc/self/maps")
+    if "jax" in sys.modules and maps.exists() and maps.read_text().count("\n") > 30_000:
+        sys.modules["jax"].clear_caches()
+        gc.collect()
 
 
 @pytest.fixture(params=["opengl", "webgl"])

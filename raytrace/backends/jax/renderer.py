@@ -44,7 +44,8 @@ def _culled(job: Job, layout: Layout, numbers: jax.Array) -> Culling:
     return culling(layout.unpack(numbers), job.program)
 
 
-@lru_cache(maxsize=64)
+# A program takes some 600 of the 65530 memory mappings that Linux lets a process have by default.
+@lru_cache(maxsize=32)
 def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -> Callable:
     """The program for uniforms of that layout, whatever their values. `culled`: the shapes, hashable, or ``None``."""
     everywhere = NamedSharding(devices, PartitionSpec())
