@@ -10,6 +10,10 @@ import numpy as np
 __all__ = ["Timing", "in_turn", "ready"]
 
 
+#: Seconds of rest before each frame: some thread pools go on spinning after theirs, and would slow down the next.
+REST = 0.05
+
+
 class Timing(NamedTuple):
     """Milliseconds: the median, the fastest and the slowest of the runs after the first."""
 
@@ -34,6 +38,7 @@ def in_turn(
     milliseconds: dict[str, list[float]] = {name: [] for name in frames}
     for _ in range(runs + 1):
         for name, frame in frames.items():
+            time.sleep(REST)
             start = time.perf_counter()
             ready(frame())
             milliseconds[name].append(1e3 * (time.perf_counter() - start))

@@ -1,5 +1,6 @@
 """A scene, compiled by JAX, and rendered."""
 
+import itertools
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
@@ -44,8 +45,12 @@ def _culled(job: Job, layout: Layout, numbers: jax.Array) -> Culling:
     return culling(layout.unpack(numbers), job.program)
 
 
-# A program takes some 600 of the 65530 memory mappings that Linux lets a process have by default.
-@lru_cache(maxsize=32)
+#: So many programs are held. One takes some 600 of the 65530 memory mappings that Linux lets a process have.
+MOST = 32
+_made = itertools.count(1)
+
+
+@lru_cache(maxsize=MOST)
 def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -> Callable:
     """The program for uniforms of that layout, whatever their values. `culled`: the shapes, hashable, or ``None``."""
     everywhere = NamedSharding(devices, PartitionSpec())
@@ -60,6 +65,8 @@ def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -
     scalars = given((), np.int32), given((), np.int32)
 
     def compiled() -> Any:
+        if next(_made) % MOST == 0:
+            jax.clear_caches()  # which hold those programs, too, that are no longer held here
         return _drawn_packed.lower(job, rows, devices, layout, numbers, culled, *scalars).compile()
 
     return stored(_name(job, rows, devices, layout, culled), compiled)
