@@ -176,10 +176,11 @@ def primitives(scene, size=(32, 18)):
 
     from raytrace.backends.jax.drawing import draw
 
-    def program_text(numbers):
-        return draw(renderer.job, size[1], renderer.devices, False, renderer.layout.unpack(numbers), None, 0, 0)
+    def program_text(numbers, mode, first):
+        uniforms = renderer.layout.unpack(numbers)
+        return draw(renderer.job, size[1], renderer.devices, False, uniforms, None, mode, first)
 
-    count(jax.make_jaxpr(program_text)(jnp.asarray(renderer.numbers)).jaxpr)
+    count(jax.make_jaxpr(program_text)(jnp.asarray(renderer.numbers), np.int32(0), np.int32(0)).jaxpr)
     return counts
 
 
