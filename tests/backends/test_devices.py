@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import raytrace
+from tests.processes import peak_memory
 
 SIZE = "200x120"
 RENDER = (
@@ -162,3 +163,11 @@ def test_a_cache_that_cannot_be_written_is_no_error(tmp_path):
     (tmp_path / "file").write_text("")
     code = "raytrace.render('sphere', (40, 20)).block_until_ready(); print(json.dumps(compiled()))"
     assert compilations(code, tmp_path / "file") > 0
+
+
+@pytest.mark.slow
+def test_memory_does_not_grow_with_the_height(tmp_path):
+    """An image goes to its file as it is rendered: four times the rows, which are 0.3 GiB more, take no more memory."""
+    render = ("-m", "raytrace", "render", "-o", str(tmp_path / "a.exr"), "--size")
+    short, tall = (peak_memory(*render, f"2048x{rows}") for rows in (4096, 16384))
+    assert tall - short < 0.1 * 2**30

@@ -1,6 +1,3 @@
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +13,7 @@ from raytrace.shader.control import Engine
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.uniforms import program_of, uniforms_of
+from tests.processes import peak_memory
 from tests.scenes import SEVERAL_SCENES
 from tests.strategies import scenes
 
@@ -137,13 +135,7 @@ def test_scaling_the_world_scales_t_exactly(k):
 @pytest.mark.slow
 def test_memory_is_bounded():
     """8192x8192 in float64 to a file and as an array (of 1.5 GiB by itself): under 2 GiB at the peak."""
-    for code in (
-        "from raytrace.cli import run; import sys;"
-        "sys.argv[1:] = 'render --backend numpy --dtype float64 --size 8192x8192 -o large.png'.split(); run()",
-        "import raytrace; raytrace.render('checkerboard', (8192, 8192), backend='numpy', dtype='float64')",
-    ):
-        process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        assert process.returncode == 0
-        assert usage.ru_maxrss * 1024 < 2 * 2**30
+    to_a_file = ["render", "--backend", "numpy", "--dtype", "float64", "--size", "8192x8192", "-o", "large.png"]
+    as_an_array = "import raytrace; raytrace.render('checkerboard', (8192, 8192), backend='numpy', dtype='float64')"
+    assert peak_memory("-m", "raytrace", *to_a_file) < 2 * 2**30
+    assert peak_memory("-c", as_an_array) < 2 * 2**30

@@ -123,7 +123,9 @@ class Renderer:
             raise InputError(
                 "dtype float64: JAX is tracing in 32 bit; set jax_enable_x64, or trace within jax.enable_x64(True)"
             )
-        self.devices = mesh() if isinstance(engine_of(job), Staged) else Mesh(mesh().devices[:1], mesh().axis_names)
+        self.devices = mesh()
+        if not isinstance(engine_of(job), Staged):
+            self.devices = Mesh(self.devices.devices[:1], self.devices.axis_names)
         if self.traced:
             self.uniforms = jax.tree.map(partial(_given, dtype=job.dtype, exact=job.exact_inputs), uniforms)
         else:

@@ -1,0 +1,5 @@
+"""`python -m raytrace`: the command."""
+
+from raytrace.cli import run
+
+run()
