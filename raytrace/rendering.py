@@ -15,6 +15,7 @@ from raytrace.scene.check import check_scene, check_structure, is_traced
 from raytrace.scene.data import Scene, concrete
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene, scene_hash, scene_toml
 from raytrace.shader.control import Engine
+from raytrace.shader.light import SHADOW_STARTS
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.shader.sphere import INTERSECTIONS
@@ -48,6 +49,7 @@ class Rendering:
         samples: int = 1,
         output: str = "display",
         intersection: str | None = None,
+        shadow_start: str = "offset",
         exact_inputs: bool = False,
         skip: bool = True,
         shader: str | Path | None = None,
@@ -56,6 +58,7 @@ class Rendering:
         engine: Engine | None = None,
     ):
         _check(size, backend, dtype, samples, output, intersection)
+        _choice("shadow_start", shadow_start, SHADOW_STARTS)
         foreign = None
         if shader is not None:
             _check_shader(backend, samples, output, time_limit)
@@ -75,11 +78,10 @@ class Rendering:
             usual = "robust" if dtype == "float32" else "textbook"
             intersection = BACKENDS[backend].intersection or usual
         self.scene, self.backend, self.dtype, self.output = scene, backend, dtype, output
-        self.intersection, self.exact_inputs = intersection, exact_inputs
+        self.intersection, self.shadow_start, self.exact_inputs = intersection, shadow_start, exact_inputs
         self.frame = Frame(*map(int, size), samples=int(samples))
-        job = Job(
-            program_of(scene, intersection), self.frame, OUTPUTS[output], dtype, exact_inputs, skip, engine, foreign
-        )
+        program = program_of(scene, intersection, shadow_start)
+        job = Job(program, self.frame, OUTPUTS[output], dtype, exact_inputs, skip, engine, foreign)
         self.renderer = renderer(backend, uniforms_of(scene, self.frame.width / self.frame.height), job)
 
     def whole(self) -> Any:
@@ -126,6 +128,7 @@ class Rendering:
             "backend": self.backend,
             "dtype": self.dtype,
             "intersection": self.intersection,
+            "shadow_start": self.shadow_start,
             "samples": str(self.frame.samples),
             "exact_inputs": str(self.exact_inputs).lower(),
             "version": version("raytrace"),
@@ -145,6 +148,7 @@ def render(
     samples: int = 1,
     output: str = "display",
     intersection: str | None = None,
+    shadow_start: str = "offset",
     exact_inputs: bool = False,
     skip: bool = True,
     shader: str | Path | None = None,
@@ -163,6 +167,8 @@ def render(
         (height, width, components).
     intersection: "textbook", the assignment's formula, or "robust"; by default robust in float32 only,
         and textbook in GLSL.
+    shadow_start: "offset", the assignment's 1e-3 along the normal; or, with JAX and NumPy, "surface": shadow rays start
+        on the surface, which is left out of what blocks them. So shadows do not depend on the scene's unit of length.
     exact_inputs: carry the scene's numbers in `dtype` as they are, instead of rounding each once to float32, which
         is what a GPU is given.
     skip: with JAX and NumPy, leave out what a part of the image does not need: branches that no pixel takes, spheres
@@ -188,6 +194,7 @@ def render(
         samples=samples,
         output=output,
         intersection=intersection,
+        shadow_start=shadow_start,
         exact_inputs=exact_inputs,
         skip=skip,
         shader=shader,

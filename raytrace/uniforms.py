@@ -24,9 +24,9 @@ from raytrace.white_balance import adaptation_matrix
 __all__ = ["program_of", "uniforms_of"]
 
 
-def program_of(scene: Scene, intersection: str) -> shader.Program:
+def program_of(scene: Scene, intersection: str, shadow_start: str = "offset") -> shader.Program:
     """The choices of `scene` that shape the shader's program."""
-    mapper = scene.film.tone_mapper
+    mapper, surface = scene.film.tone_mapper, shadow_start == "surface"
     return shader.Program(
         lighting=scene.lighting,
         intersection=intersection,
@@ -34,6 +34,9 @@ def program_of(scene: Scene, intersection: str) -> shader.Program:
         patterned=any(isinstance(plane.pattern, Checkerboard) for plane in scene.planes),
         tone_mapper=TONE_MAPPERS[mapper] if isinstance(mapper, str) else mapper,
         transfer=TRANSFERS[scene.film.transfer],
+        shadow_start=shadow_start,
+        # Known only where they matter, so that the assignment's program does not depend on them.
+        casting=tuple(i for i, plane in enumerate(scene.planes) if plane.casts_shadow) if surface else (),
     )
 
 

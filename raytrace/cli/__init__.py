@@ -14,6 +14,7 @@ from raytrace.cli.export import export
 from raytrace.cli.golden import check, golden
 from raytrace.cli.render import pixel, render
 from raytrace.cli.scenes import list_scenes, show
+from raytrace.cli.stress import stress
 from raytrace.errors import EngineFailure, InputError
 from raytrace.files import reason
 
@@ -31,6 +32,7 @@ app.command()(show)
 app.command()(pixel)
 app.command()(export)
 app.command()(bench)
+app.command()(stress)
 app.command()(compare)
 app.command()(golden)
 app.command()(check)

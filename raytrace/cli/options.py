@@ -20,6 +20,7 @@ __all__ = [
     "Scene",
     "Shader",
     "ShaderUniforms",
+    "ShadowStart",
     "Size",
     "Skip",
     "TimeLimit",
@@ -33,6 +34,9 @@ Changes = Annotated[list[str], typer.Option("--set", help="key=value, such as su
 BackendName = Annotated[str, typer.Option(help="jax, numpy, opengl or webgl.")]
 Dtype = Annotated[str, typer.Option(help="float32; jax, numpy: float64; numpy: longdouble.")]
 Intersection = Annotated[str | None, typer.Option(help="textbook or robust; default: robust in float32 only.")]
+ShadowStart = Annotated[
+    str, typer.Option(help="offset, the assignment's 1e-3 along the normal; jax, numpy: surface, which has no scale.")
+]
 Shader = Annotated[
     Path | None, typer.Option(help="Your own fragment shader, to run instead; with --backend opengl or webgl.")
 ]

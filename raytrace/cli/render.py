@@ -17,6 +17,7 @@ from raytrace.cli.options import (
     Scene,
     Shader,
     ShaderUniforms,
+    ShadowStart,
     Size,
     Skip,
     TimeLimit,
@@ -50,6 +51,7 @@ def render(
     bits: Annotated[int | None, typer.Option(help="Bits of a channel: PNG 8, 16; EXR 16, 32; TIFF 8, 16, 32.")] = None,
     changes: Changes = [],  # noqa: B006 (typer's way)
     intersection: Intersection = None,
+    shadow_start: ShadowStart = "offset",
     exact_inputs: ExactInputs = False,
     skip: Skip = True,
     shader: Shader = None,
@@ -81,6 +83,7 @@ def render(
             samples=samples,
             output=output or file_format(out).output,
             intersection=intersection,
+            shadow_start=shadow_start,
             exact_inputs=exact_inputs,
             skip=skip,
             shader=shader,
@@ -125,6 +128,7 @@ def pixel(
     dtype: Dtype = "float64",
     changes: Changes = [],  # noqa: B006
     intersection: Intersection = None,
+    shadow_start: ShadowStart = "offset",
     exact_inputs: ExactInputs = False,
 ) -> None:
     """Print every step of the shader at one pixel, beside its line of GLSL."""
@@ -135,6 +139,7 @@ def pixel(
         dtype=dtype,
         output="steps",
         intersection=intersection,
+        shadow_start=shadow_start,
         exact_inputs=exact_inputs,
     )
     print(pixel_report(rendering, x, y))

@@ -72,13 +72,18 @@ def choices_of(
     """The choices for a scene's uniforms and program.
 
     Raises:
-        InputError: the tone mapper is a Python function, or there are more planes than uniforms can hold.
+        InputError: the tone mapper is a Python function, or there are more planes than uniforms can hold, or
+            shadow rays do not start where the assignment's do.
     """
     planes, shadow_planes = count(uniforms.planes), count(uniforms.shadow_planes)
     if 6 * (planes + shadow_planes) > UNIFORM_VECTORS:
         raise InputError(
             f"planes: a GLSL shader holds {UNIFORM_VECTORS // 6}, those that cast shadows counted twice, "
             f"found {planes + shadow_planes}"
+        )
+    if program.shadow_start != "offset":
+        raise InputError(
+            f"shadow_start: only 'offset', the assignment's, is written in GLSL, found {program.shadow_start!r}"
         )
     return Choices(
         spheres=count(uniforms.spheres),

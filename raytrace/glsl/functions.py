@@ -151,7 +151,7 @@ _TONE_MAPPER_NOTES = {
 }
 _HABLE = """\
 vec3 hable(vec3 x){
-    return (x*(0.15*x+0.05)+0.004)/(x*(0.15*x+0.5)+0.06) - 1./15.;
+    return x*(0.14*x+1./60.)/(x*(0.15*x+0.5)+0.06); // without the cancellation of the printed difference
 }
 """
 _TRANSFERS = {"gamma2.2": "pow(%s, vec3(1.0/2.2))", "srgb": "srgb(%s)", "none": "%s"}

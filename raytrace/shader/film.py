@@ -1,7 +1,7 @@
 """From linear light to display values (assignment, 'Skybox': tone mapping and colour space conversion)."""
 
 from raytrace.shader.control import step
-from raytrace.shader.glsl import Vec3, clamp, pow, select
+from raytrace.shader.glsl import Vec3, clamp, minimum, pow, select
 from raytrace.shader.literal import literal
 from raytrace.shader.uniforms import FilmUniforms, Program
 
@@ -20,11 +20,15 @@ def reinhard(x: Vec3) -> Vec3:
 
 
 def hable(x: Vec3) -> Vec3:
-    """J. Hable, 'Uncharted 2: HDR Lighting' (GDC 2010): exposure bias 2, linear white at 11.2."""
+    """J. Hable, 'Uncharted 2: HDR Lighting' (GDC 2010): exposure bias 2, linear white at 11.2.
+
+    His curve is (x (A x + C B) + D E) / (x (A x + B) + D F) - E / F. The two quotients cancel in the shadows, so here
+    the difference is carried out: what is left has a factor x.
+    """
     A, B, C, D, E, F, W = map(literal, ("0.15", "0.5", "0.1", "0.2", "0.02", "0.3", "11.2"))
 
     def curve(x):
-        return (x * (A * x + C * B) + D * E) / (x * (A * x + B) + D * F) - E / F
+        return x * ((1 - E / F) * A * x + (C - E / F) * B) / (x * (A * x + B) + D * F)
 
     return curve(2 * x) / curve(W)
 
@@ -46,14 +50,21 @@ def srgb(x: Vec3) -> Vec3:
     return Vec3(*(select(c <= literal("0.0031308").like(c), a, b) for c, a, b in zip(x, low, high, strict=True)))
 
 
+#: Linear light that is as good as infinite. Its square, ten times over, is finite in float32.
+BRIGHTEST = 2.0**60
+
 TONE_MAPPERS = {"aces": aces, "reinhard": reinhard, "hable": hable, "none": linear}
 TRANSFERS = {"gamma2.2": gamma22, "srgb": srgb, "none": linear}
 
 
 @step
 def tonemap_and_gamma_correct(x: Vec3, program: Program) -> Vec3:
-    """Display values in [0, 1] of linear light: the tone mapper, a clamp, the transfer function."""
-    return program.transfer(clamp(program.tone_mapper(x), 0, 1))
+    """Display values in [0, 1] of linear light: the tone mapper, a clamp, the transfer function.
+
+    The tone mapper is given at most `BRIGHTEST`, which every one of them takes for white as it does all above: it
+    squares its argument, and infinity divided by itself is no number.
+    """
+    return program.transfer(clamp(program.tone_mapper(minimum(x, BRIGHTEST)), 0, 1))
 
 
 @step

@@ -11,6 +11,8 @@ import operator
 from collections import namedtuple
 from typing import Any
 
+import numpy as np
+
 from raytrace.shader.literal import Literal
 from raytrace.shader.namespace import constant, lift, namespace
 from raytrace.shader.running import engine
@@ -147,9 +149,26 @@ def cross(a: Vec3, b: Vec3) -> Vec3:
 
 
 def normalize(v: Vec3) -> Vec3:
-    """`v` divided by its length; the zero vector, which GLSL leaves undefined, stays zero."""
+    """`v` divided by its length, whatever that is; the zero vector, which GLSL leaves undefined, stays zero."""
+    v = _of_moderate_length(v)
     squared = dot(v, v)
     return v / select(squared > 0, sqrt(squared), 1)
+
+
+def _of_moderate_length(v: Vec3) -> Vec3:
+    """`v`, times a power of two where its squared length would overflow or underflow. Such a product is exact."""
+    limits = namespace(v.x).finfo(v.x.dtype)
+    if not limits.smallest_normal:
+        return v  # an arithmetic without limits
+    # The limits are those of float64 in what is wider, as a Python number writes the powers.
+    exponents = int(min(-np.frexp(limits.smallest_normal)[1], 1022))
+    digits = int(-np.frexp(limits.eps)[1])
+    # Up to there a square that underflows is no digit of the largest one.
+    far = (exponents - digits) // 2 - 1
+    up, down = exponents * 7 // 10, exponents * 11 // 20
+    largest = maximum(maximum(maximum(v.x, -v.x), maximum(v.y, -v.y)), maximum(v.z, -v.z))
+    scale = select(largest < 2.0**-far, 2.0**up, select(largest > 2.0**far, 2.0**-down, constant(1, largest)))
+    return v * scale
 
 
 def select(condition: Array, then: Any, other: Any) -> Any:
@@ -162,14 +181,14 @@ def select(condition: Array, then: Any, other: Any) -> Any:
     return tree_map(leaf, then, other)
 
 
-def minimum(a: Array, b: Any) -> Array:
-    """The smaller of two numbers; GLSL's ``min``."""
-    return namespace(a).minimum(a, lift(b, a))
+def minimum(a: Any, b: Any) -> Any:
+    """The smaller of two numbers, GLSL's ``min``; of a vector and a number, each component's."""
+    return tree_map(lambda a: namespace(a).minimum(a, lift(b, a)), a)
 
 
-def maximum(a: Array, b: Any) -> Array:
-    """The larger of two numbers; GLSL's ``max``."""
-    return namespace(a).maximum(a, lift(b, a))
+def maximum(a: Any, b: Any) -> Any:
+    """The larger of two numbers, GLSL's ``max``; of a vector and a number, each component's."""
+    return tree_map(lambda a: namespace(a).maximum(a, lift(b, a)), a)
 
 
 def clamp(x: Any, low: Any, high: Any) -> Any:

@@ -2,19 +2,23 @@
 
 from typing import NamedTuple
 
-from raytrace.shader.control import branch, step
+from raytrace.shader.control import branch, count, step
 from raytrace.shader.glsl import Vec3, clamp, dot, maximum, normalize, select
 from raytrace.shader.literal import literal
 from raytrace.shader.namespace import constant
 from raytrace.shader.plane import any_plane_intersect
 from raytrace.shader.sphere import any_sphere_intersect
-from raytrace.shader.types import Float
+from raytrace.shader.types import Float, Int
 from raytrace.shader.uniforms import Program, Uniforms
 
-__all__ = ["SHADOW_OFFSET", "Light", "light_at_point", "shadow_ray"]
+__all__ = ["SHADOW_OFFSET", "SHADOW_STARTS", "Light", "light_at_point", "shadow_ray"]
 
 #: How far along the normal a shadow ray starts, so that a surface does not shadow itself.
 SHADOW_OFFSET = literal("1e-3")
+
+#: Where a shadow ray starts: there, as in the assignment, whatever the scene's scale; or on the surface itself, which
+#: then is left out of what can block the ray, so that a scene's shadows do not depend on its unit of length.
+SHADOW_STARTS = ("offset", "surface")
 
 
 class Light(NamedTuple):
@@ -27,20 +31,33 @@ class Light(NamedTuple):
 
 
 @step
-def shadow_ray(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program) -> Float:
+def shadow_ray(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program, but: Int | None = None) -> Float:
     """How much light comes along the ray: 0 where a sphere stands at t >= 0, else 1.
 
-    Planes block only where they are asked to (``casts_shadow``); the assignment's does not.
+    Planes block only where they are asked to (``casts_shadow``); the assignment's does not. `but`: the index of a
+    surface that does not block, spheres counted first, then planes; ``None`` for none.
     """
-    blocked = any_sphere_intersect(ro, rd, uniforms.spheres, program.intersection)
+    blocked = any_sphere_intersect(ro, rd, uniforms.spheres, program.intersection, but)
     if uniforms.shadow_planes is not None:
-        blocked = blocked | any_plane_intersect(ro, rd, uniforms.shadow_planes)
+        plane = None if but is None else place_among(program.casting, but - count(uniforms.spheres))
+        blocked = blocked | any_plane_intersect(ro, rd, uniforms.shadow_planes, plane)
     return select(blocked, constant(0, rd.x), 1)
 
 
+def place_among(numbers: tuple[int, ...], number: Int) -> Int:
+    """Where `number` stands among `numbers`; -1 where it is none of them."""
+    place = constant(-1, number)
+    for i, known in enumerate(numbers):
+        place = select(number == known, i, place)
+    return place
+
+
 @step
-def light_at_point(point: Vec3, N: Vec3, uniforms: Uniforms, program: Program, every_shadow: bool = False) -> Light:
-    """The light that a surface with unit normal `N` receives at `point`: Lambert's sun and a share of the sky.
+def light_at_point(
+    point: Vec3, N: Vec3, index: Int, uniforms: Uniforms, program: Program, every_shadow: bool = False
+) -> Light:
+    """The light that the surface number `index`, of unit normal `N`, receives at `point`: Lambert's sun and a share of
+    the sky.
 
     Where the surface faces away from the sun no shadow ray is sent, unless `every_shadow` asks for its value.
     """
@@ -49,14 +66,17 @@ def light_at_point(point: Vec3, N: Vec3, uniforms: Uniforms, program: Program, e
     NdL = maximum(dot(N, L), 0)
     NdSky = clamp(0.5 * N.y + 0.5, 0, 1)
 
-    def sent(point, N):
+    def sent(point, N, index):
+        if program.shadow_start == "surface":
+            return shadow_ray(point, L, uniforms, program, index)
         return shadow_ray(point + SHADOW_OFFSET * N, L, uniforms, program)
 
-    def not_sent(point, N):
+    def not_sent(point, N, index):
         return constant(1, N.x)
 
     if program.lighting == "shadow":
-        shadow = sent(point, N) if every_shadow else branch(NdL > 0, sent, not_sent, point, N)
+        at_point = (point, N, index)
+        shadow = sent(*at_point) if every_shadow else branch(NdL > 0, sent, not_sent, *at_point)
     else:
         shadow = constant(1, NdL)
     return Light(NdL, NdSky, shadow, sun.color * NdL * shadow + sky.high * NdSky)

@@ -111,7 +111,7 @@ def shade(ro: Vec3, rd: Vec3, hit: Hit, uniforms: Uniforms, program: Program, ev
         light = Light(zero, zero, zero, Vec3(zero, zero, zero))
         color = albedo
     else:
-        light = light_at_point(hit_point, N, uniforms, program, every_shadow)
+        light = light_at_point(hit_point, N, hit.index, uniforms, program, every_shadow)
         color = light.light * albedo
     return Steps(
         hitPoint=hit_point,

@@ -24,24 +24,28 @@ def plane_intersect(ro: Vec3, rd: Vec3, n: Vec3, p: Vec3) -> Float:
 
 
 @step
-def closest_plane_intersect(ro: Vec3, rd: Vec3, planes: Plane | None) -> tuple[Float, Int]:
+def closest_plane_intersect(ro: Vec3, rd: Vec3, planes: Plane | None, but: Int | None = None) -> tuple[Float, Int]:
     """The smallest t at which the ray meets a plane and the plane's index; (infinity, -1) if it meets none.
 
-    A plane is met where t is positive and finite. Of planes at equal t the first one wins.
+    A plane is met where t is positive and finite. Of planes at equal t the first one wins. `but`: the index of a plane
+    that is left out; ``None`` for none.
     """
 
-    def body(closest, i, plane, ro, rd):
+    def body(closest, i, plane, ro, rd, *but):
         t = plane_intersect(ro, rd, plane.normal, plane.point)
         # Nearer than something is finite; NaN is neither.
         nearer = (t > 0) & (t < closest.t)
+        for index in but:
+            nearer = nearer & (index != i)
         return select(nearer, Hit(t, constant(i, closest.index)), closest)
 
     nothing = Hit(constant(inf, rd.x), constant(-1, rd.x, "int32"))
-    return tuple(each(planes, body, nothing, ro, rd))
+    left_out = () if but is None else (but,)
+    return tuple(each(planes, body, nothing, ro, rd, *left_out))
 
 
 @step
-def any_plane_intersect(ro: Vec3, rd: Vec3, planes: Plane | None) -> Bool:
-    """Whether the ray meets any of the planes at a positive, finite t."""
-    _, index = closest_plane_intersect(ro, rd, planes)
+def any_plane_intersect(ro: Vec3, rd: Vec3, planes: Plane | None, but: Int | None = None) -> Bool:
+    """Whether the ray meets any of the planes, `but` one, at a positive, finite t."""
+    _, index = closest_plane_intersect(ro, rd, planes, but)
     return index >= 0

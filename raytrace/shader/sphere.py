@@ -89,10 +89,19 @@ def closest_sphere_intersect(
 
 
 @step
-def any_sphere_intersect(ro: Vec3, rd: Vec3, spheres: Sphere | None, intersection: str = "textbook") -> Bool:
-    """Whether the ray meets any sphere at t >= 0: ``closestSphereIntersect(...) >= 0``, which needs no order."""
+def any_sphere_intersect(
+    ro: Vec3, rd: Vec3, spheres: Sphere | None, intersection: str = "textbook", but: Int | None = None
+) -> Bool:
+    """Whether the ray meets any sphere at t >= 0: ``closestSphereIntersect(...) >= 0``, which needs no order.
 
-    def body(blocked, _, sphere, ro, rd):
-        return blocked | (sphere_intersect(ro, rd, sphere, intersection) >= 0)
+    `but`: the index of a sphere that is left out; ``None`` for none.
+    """
 
-    return each(spheres, body, constant(False, rd.x, "bool"), ro, rd)
+    def body(blocked, i, sphere, ro, rd, *but):
+        meets = sphere_intersect(ro, rd, sphere, intersection) >= 0
+        for index in but:
+            meets = meets & (index != i)
+        return blocked | meets
+
+    left_out = () if but is None else (but,)
+    return each(spheres, body, constant(False, rd.x, "bool"), ro, rd, *left_out)

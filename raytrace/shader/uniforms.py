@@ -79,7 +79,9 @@ class Program:
     """The choices that shape the program, known before any number is. Hashable.
 
     `lighting` is what the assignment has added by figure 3 (off), 5 (on) and 6 (shadow). `intersection` chooses
-    the formula for the sphere. `patterned` is False where every plane is plain.
+    the formula for the sphere. `patterned` is False where every plane is plain. `shadow_start` is where a shadow ray
+    starts: at the assignment's offset along the normal, or on the surface, which then casts no shadow on itself.
+    `casting` are the numbers of the planes in ``shadow_planes``.
     """
 
     lighting: Literal["off", "on", "shadow"]
@@ -88,3 +90,5 @@ class Program:
     patterned: bool
     tone_mapper: Callable
     transfer: Callable
+    shadow_start: Literal["offset", "surface"] = "offset"
+    casting: tuple[int, ...] = ()

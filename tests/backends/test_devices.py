@@ -167,7 +167,7 @@ def test_a_cache_that_cannot_be_written_is_no_error(tmp_path):
 
 @pytest.mark.slow
 def test_memory_does_not_grow_with_the_height(tmp_path):
-    """An image goes to its file as it is rendered: four times the rows, which are 0.3 GiB more, take no more memory."""
+    """An image goes to its file as it is rendered: 24576 rows more, of 0.56 GiB, take much less memory than that."""
     render = ("-m", "raytrace", "render", "-o", str(tmp_path / "a.exr"), "--size")
-    short, tall = (peak_memory(*render, f"2048x{rows}") for rows in (4096, 16384))
-    assert tall - short < 0.1 * 2**30
+    short, tall = (peak_memory(*render, f"2048x{rows}") for rows in (4096, 28672))
+    assert tall - short < 0.2 * 2**30

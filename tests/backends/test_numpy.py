@@ -12,6 +12,7 @@ from raytrace.scene.toml import figures
 from raytrace.shader.control import Engine
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
+from raytrace.stress.shadows import scaled
 from raytrace.uniforms import program_of, uniforms_of
 from tests.processes import peak_memory
 from tests.scenes import SEVERAL_SCENES
@@ -119,17 +120,35 @@ def test_scaling_the_world_scales_t_exactly(k):
     """Spheres, plane and camera by 2**k: the same rays, and every t times 2**k, bit for bit."""
     scale = 2.0**k
     scene = raytrace.load_scene("checkerboard")
-    spheres, plane, camera = scene.spheres, scene.planes[0], scene.camera
-    scaled = raytrace.Scene(
-        spheres=raytrace.Spheres(spheres.center * scale, spheres.radius * scale, spheres.color),
-        planes=(raytrace.Plane(plane.point * scale, plane.normal, plane.pattern),),
-        camera=raytrace.PerspectiveCamera(camera.position * scale, camera.target * scale),
-    )
-    a, b = (draw(s, "float64") for s in (scene, scaled))
+    a, b = (draw(s, "float64") for s in (scene, scaled(scene, scale)))
     np.testing.assert_array_equal(a["index"], b["index"])
     hit = a["index"] >= 0
     np.testing.assert_array_equal(a["t"][hit] * scale, b["t"][hit])
     np.testing.assert_array_equal(a["N"], b["N"])
+
+
+@pytest.mark.parametrize("backend", ["numpy", "jax"])
+@pytest.mark.parametrize("dtype", ["float32", "float64"])
+def test_shadows_that_start_on_the_surface_have_no_scale(backend, dtype):
+    """Scaled by a power of two the scene has the same shadows, bit for bit; not so with the assignment's offset."""
+    scene = raytrace.load_scene("shadows")
+
+    def shadow(scale, start):
+        steps = raytrace.render(
+            scaled(scene, scale),
+            SIZE,
+            backend=backend,
+            dtype=dtype,
+            intersection="robust",
+            output="steps",
+            shadow_start=start,
+        )
+        return np.asarray(steps["shadow"])
+
+    for scale in (2.0**-20, 2.0**20):
+        np.testing.assert_array_equal(shadow(scale, "surface"), shadow(1, "surface"))
+    assert np.mean(shadow(1, "offset") == shadow(1, "surface")) > 0.995
+    assert np.mean(shadow(2.0**-20, "offset") == shadow(1, "offset")) < 0.99
 
 
 @pytest.mark.slow

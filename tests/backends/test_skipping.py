@@ -25,9 +25,9 @@ STEPS = ("t", "index", "shadow", "linear", "display")
 SMALL = Staged(block=256)
 
 
-def both(scene, size=SIZE, intersection="robust", dtype="float32", engine=SMALL, keep=STEPS):
+def both(scene, size=SIZE, intersection="robust", dtype="float32", engine=SMALL, keep=STEPS, shadow_start="offset"):
     """The steps with and without skipping."""
-    uniforms, program = uniforms_of(scene, size[0] / size[1]), program_of(scene, intersection)
+    uniforms, program = uniforms_of(scene, size[0] / size[1]), program_of(scene, intersection, shadow_start)
     job = Job(program, Frame(*size), keep, dtype, engine=engine)
     return tuple(
         {
@@ -57,11 +57,20 @@ def test_the_textbooks_formula(name, dtype):
     assert_same_bits(*both(raytrace.load_scene(name), dtype=dtype, intersection="textbook"))
 
 
+@pytest.mark.parametrize("name", ["checkerboard", "shadow-of-a-plane", "two-hundred-spheres"])
+def test_shadow_rays_that_start_on_the_surface(name):
+    assert_same_bits(*both(raytrace.load_scene(name), shadow_start="surface"))
+
+
 @pytest.mark.slow
-@hypothesis.settings(max_examples=15)
-@hypothesis.given(scene=scenes(), intersection=st.sampled_from(["robust", "textbook"]))
-def test_random_scenes(scene, intersection):
-    assert_same_bits(*both(scene, intersection=intersection))
+@hypothesis.settings(max_examples=10)
+@hypothesis.given(
+    scene=scenes(),
+    intersection=st.sampled_from(["robust", "textbook"]),
+    shadow_start=st.sampled_from(["offset", "surface"]),
+)
+def test_random_scenes(scene, intersection, shadow_start):
+    assert_same_bits(*both(scene, intersection=intersection, shadow_start=shadow_start))
 
 
 @pytest.mark.parametrize("intersection", ["robust", "textbook"])

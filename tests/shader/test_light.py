@@ -13,8 +13,9 @@ def shader(scene):
     return uniforms_of(scene, 1.0), program_of(scene, "textbook")
 
 
-def light(scene, point, N):
-    return light_at_point(vec3(point), vec3(N), *shader(scene))
+def light(scene, point, N, index=-1, shadow_start="offset"):
+    uniforms, program = uniforms_of(scene, 1.0), program_of(scene, "textbook", shadow_start)
+    return light_at_point(vec3(point), vec3(N), np.asarray(index, np.int32), uniforms, program)
 
 
 def test_by_hand():
@@ -83,3 +84,22 @@ def test_the_suns_direction_need_not_be_normalised(point, N, direction, k):
         for scale in (1.0, 2.0**k)
     )
     assert a == b
+
+
+def test_a_surface_does_not_shadow_itself_where_rays_start_on_it():
+    """The unit sphere is met at t = 0 from its own front, but is left out; another one in the way is not."""
+    balls = raytrace.Spheres(center=[[0, 0, 0], [0, 0, 5]], radius=[1.0, 1.0], color=[[1, 1, 1]] * 2)
+    scene = raytrace.Scene(spheres=balls, sun=raytrace.Sun(direction=[0, 0, 1]))
+    assert light(scene, [0, 0, 1], [0, 0, 1], index=0, shadow_start="surface").shadow == 0
+    assert light(scene, [0, 0, 6], [0, 0, 1], index=1, shadow_start="surface").shadow == 1
+    assert light(scene, [0, 0, 1], [0, 0, 1], index=1, shadow_start="surface").shadow == 0
+
+
+def test_planes_leave_themselves_out_by_their_own_number():
+    """Of three planes the first and last cast shadows: a point just under the last is shadowed by it, not on it."""
+    plane = raytrace.Plane(point=[0, -5, 0], normal=[0, 1, 0], casts_shadow=True)
+    planes = (plane, raytrace.Plane(), raytrace.Plane(point=[0, 1, 0], normal=[0, 1, 0], casts_shadow=True))
+    scene = raytrace.Scene(planes=planes, sun=raytrace.Sun(direction=[0, 1, 0]))
+    just_under = [0, 1 - 1e-9, 0]
+    shadows = [light(scene, just_under, [0, 1, 0], index=i, shadow_start="surface").shadow for i in range(3)]
+    assert shadows == [0, 0, 1]

@@ -12,11 +12,12 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from raytrace.backends.jax import elementary
 from raytrace.shader.control import Engine, count
 from raytrace.shader.glsl import select
 from raytrace.shader.hit import Hit
 
-__all__ = ["OneProgram", "shaped"]
+__all__ = ["OneProgram", "OwnFunctions", "shaped"]
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,16 @@ class OneProgram(Engine):
 
     def detach(self, x: jax.Array) -> jax.Array:
         return lax.stop_gradient(x)
+
+
+class OwnFunctions(OneProgram):
+    """With exp2 and log2 of its own in float32."""
+
+    def exp2(self, x: jax.Array) -> jax.Array:
+        return elementary.exp2(x) if x.dtype == jnp.float32 else jnp.exp2(x)
+
+    def log2(self, x: jax.Array) -> jax.Array:
+        return elementary.log2(x) if x.dtype == jnp.float32 else jnp.log2(x)
 
 
 def shaped(tree: Any, shapes: Any) -> Any:

@@ -17,8 +17,7 @@ from jax import lax
 from jax.ad_checkpoint import checkpoint_name
 
 from raytrace.backends.culling import Beam, Bounds, Pencil, Region, outside, primary_rays, shadow_rays
-from raytrace.backends.jax import elementary
-from raytrace.backends.jax.engines import OneProgram, shaped
+from raytrace.backends.jax.engines import OneProgram, OwnFunctions, shaped
 from raytrace.backends.jax.grid import Grid, candidates, grid
 from raytrace.backends.jax.traced import traced
 from raytrace.shader.control import count
@@ -94,7 +93,7 @@ class Staged(OneProgram):
         return Block(self.few, program, culling, mode, differentiated)
 
 
-class Block(OneProgram):
+class Block(OwnFunctions):
     """The engine for one block of pixels, made anew in each trace: it holds what that trace computes.
 
     mode: 0, or 1 to skip nothing: then all branches are computed and all lists are full. The bits are the same.
@@ -147,12 +146,6 @@ class Block(OneProgram):
             return state
         return self.winner(items, body, start, state.index, args)
 
-    def exp2(self, x: jax.Array) -> jax.Array:
-        return elementary.exp2(x) if x.dtype == jnp.float32 else jnp.exp2(x)
-
-    def log2(self, x: jax.Array) -> jax.Array:
-        return elementary.log2(x) if x.dtype == jnp.float32 else jnp.log2(x)
-
     @contextmanager
     def _among(self, condition: jax.Array):
         """Within this context only those pixels for which `condition` holds are of interest."""
@@ -179,7 +172,7 @@ class _Loop(NamedTuple):
         plane = state.t if self.nearest else state
         active = jnp.ones(plane.shape, bool) if self.engine.active is None else self.engine.active
         active = jnp.broadcast_to(active, plane.shape)
-        where = self.visible.rays.coordinates(*self.args, self.engine.quadratic)
+        where = self.visible.rays.coordinates(*self.args[:2], self.engine.quadratic)
         where = shaped(where, jax.tree.map(lambda x: jax.ShapeDtypeStruct(plane.shape, x.dtype), where))
         region = Region.of(where, active)
         size = min(n, CHUNK)

@@ -1,0 +1,121 @@
+"""Functions of one number or vector at their ends: powers, tone mapping, normalisation, the sun's length."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from raytrace.exact import Exact, precision
+from raytrace.scene.data import Film, Scene, Sun
+from raytrace.shader.film import TONE_MAPPERS, tonemap_and_gamma_correct
+from raytrace.shader.glsl import Vec3, normalize, pow
+from raytrace.shader.literal import literal
+from raytrace.shader.sky import SKY_GRADIENT, SUN_GRADIENT
+from raytrace.stress.arithmetics import exactly, of_floats
+from raytrace.stress.effort import Effort
+from raytrace.stress.measure import INPUT, Point, summary, ulps
+from raytrace.uniforms import program_of, uniforms_of
+
+__all__ = ["FunctionStress"]
+
+GAMMA = literal("5/11")
+#: Binary digits: nothing is decided here.
+BITS = 200
+
+
+class FunctionStress:
+    """What has no decision to take: only errors."""
+
+    def __init__(self, effort: Effort):
+        self.effort = effort
+        self.random = np.random.default_rng(2)
+        # Exact powers take their time, and so many say enough.
+        self.cases = effort.cases // 8
+
+    def gamma(self) -> Iterator[Point]:
+        yield from self._of_a_number("gamma", lambda x: pow(x, GAMMA), -44, 0)
+
+    def sky_gradient(self) -> Iterator[Point]:
+        yield from self._of_a_number("sky_gradient", lambda x: pow(x, SKY_GRADIENT), -44, 0)
+
+    def sun_lobe(self) -> Iterator[Point]:
+        """By how far the cosine is from 1."""
+        yield from self._of_a_number("sun_lobe", lambda x: pow(x, SUN_GRADIENT), -7, -1, lambda x: 1 - x)
+
+    def tone_mapping(self) -> Iterator[Point]:
+        for name in TONE_MAPPERS:
+            program = program_of(Scene(film=Film(tone_mapper=name)), "robust")
+
+            def display(x: Any, program: Any = program) -> Any:
+                return tonemap_and_gamma_correct(Vec3(x, x, x), program).x
+
+            yield from self._of_a_number("tone_mapping", display, -44, 38, formula=name)
+
+    def normalization(self) -> Iterator[Point]:
+        for length in self.effort.decades(-44, 38):
+            yield from self._vectors("normalization", length, lambda v: v, length)
+
+    def sun(self) -> Iterator[Point]:
+        """The scene's direction of any length, on its way to the shader and within."""
+
+        def given(direction: Vec3) -> Vec3:
+            suns = np.stack(direction, axis=-1).astype(np.float64)
+            uniforms = [uniforms_of(replace(Scene(), sun=Sun(direction=sun)), 1.0).sun.direction for sun in suns]
+            return Vec3(*(np.array(component).astype(np.longdouble) for component in zip(*uniforms, strict=True)))
+
+        for length in self.effort.decades(-20, 20):
+            yield from self._vectors("sun", length, given, length, cases=self.cases // 4)
+
+    def _of_a_number(
+        self,
+        axis: str,
+        function: Callable,
+        low: int,
+        high: int,
+        argument: Callable = lambda x: x,
+        formula: str = "",
+    ) -> Iterator[Point]:
+        runs = [(a.name, a.dtype, a.of(function)) for a in of_floats()]
+        # An eighth of a decade about each place.
+        spread = 10 ** self.random.uniform(-1 / 16, 1 / 16, self.cases)
+        for x in self.effort.decades(low, high):
+            for dtype in (np.float32, np.float64):
+                with np.errstate(all="ignore"):
+                    args = argument(np.longdouble(x) * spread).astype(dtype)
+                args = args[np.isfinite(args)]
+                exact = exactly(function, args, bits=BITS)
+                for name, its_dtype, run in runs:
+                    if its_dtype is dtype and args.size:
+                        with precision():
+                            errors = ulps(run(args), exact, dtype)
+                        yield Point(axis, x, f"{name} {formula}".rstrip(), args.size, None, **summary(errors))
+
+    def _vectors(self, axis: str, x: float, given: Callable, length: float, cases: int = 0) -> Iterator[Point]:
+        directions = self.random.normal(size=(cases or self.cases, 3)).astype(np.longdouble)
+        directions *= np.longdouble(length) / np.sqrt((directions**2).sum(axis=1))[:, None]
+        vectors = given(Vec3(*np.moveaxis(directions, -1, 0)))
+        ideal = exactly(normalize, Vec3(*np.moveaxis(directions, -1, 0)))
+        for arithmetic in of_floats():
+            dtype = arithmetic.dtype
+            with np.errstate(all="ignore"):
+                rounded = Vec3(*(component.astype(dtype) for component in vectors))
+            exact = exactly(normalize, rounded)
+            found = self._normalize(arithmetic)(rounded)
+            with precision():
+                if arithmetic.name.startswith("numpy"):
+                    moved = _at_one(Vec3(*(component.floats(np.longdouble) for component in exact)), ideal, dtype)
+                    yield Point(axis, x, f"{INPUT}, {dtype.__name__}", moved.size, None, **summary(moved))
+                errors = _at_one(found, exact, dtype)
+            yield Point(axis, x, arithmetic.name, errors.size, None, **summary(errors))
+
+    def _normalize(self, arithmetic: Any) -> Callable:
+        known = self.__dict__.setdefault("_normalizers", {})
+        return known.setdefault(arithmetic.name, arithmetic.of(normalize))
+
+
+def _at_one(found: Vec3, exact: Vec3, dtype: Any) -> np.ndarray:
+    """The errors of unit vectors' components in units in the last place of numbers just below 1."""
+    unit = float(np.spacing(dtype(0.75)))
+    errors = np.stack([np.abs((Exact.of(f) - e).floats()) / unit for f, e in zip(found, exact, strict=True)])
+    return np.where(np.isfinite(errors), errors, np.inf)

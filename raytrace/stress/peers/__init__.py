@@ -1,0 +1,1 @@
+"""Other people's spheres, where they are installed."""
