@@ -1,0 +1,152 @@
+"""The functions of the array API standard that the shader uses, for intervals of one error model."""
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from raytrace.intervals.arrays import BOOL, INT, Condition, Interval
+from raytrace.intervals.errors import LIBM, ULP32, ULP64, ErrorModel
+from raytrace.intervals.rounding import widened
+from raytrace.shader.running import engine
+
+__all__ = ["Namespace"]
+
+
+class _Limits:
+    """No number is the smallest: what becomes of small ones is the error model's."""
+
+    smallest_normal = 0
+    eps = 0
+
+
+class Namespace:
+    """An array namespace (`__array_namespace__`) with an error model."""
+
+    bool, int32 = BOOL, INT
+
+    def __init__(self, model: ErrorModel):
+        self.model = model
+        self.powers_by_logarithm = model.powers_by_logarithm
+
+    def finfo(self, dtype: Any) -> type[_Limits]:
+        return _Limits
+
+    def asarray(self, value: Any, dtype: Any) -> Any:
+        if dtype == BOOL:
+            value = np.asarray(value, np.bool)
+            return Condition(value, ~value, self)
+        value = np.asarray(value, np.int32 if dtype == INT else np.float64)
+        return Interval(value, value, self)
+
+    def given(self, numbers: Any) -> Interval:
+        """The numbers that the program is given, float32 or float64, as they are."""
+        return self.asarray(np.asarray(numbers), Interval)
+
+    def rational(self, value: Fraction) -> Interval:
+        """A literal: the number itself in real arithmetic; in float32 what a compiler may make of its text."""
+        nearest = np.asarray(float(value))
+        if Fraction(float(value)) == value and (not self.model.float32 or np.float32(nearest) == nearest):
+            return Interval(nearest, nearest, self)
+        if not self.model.float32:
+            return Interval(*widened(nearest, nearest, 0, self.model), self)
+        # A decimal's neighbours; what is no decimal stands as a quotient of two.
+        denominator = value.denominator
+        while denominator % 10 == 0:
+            denominator //= 10
+        for factor in (2, 5):
+            while denominator % factor == 0:
+                denominator //= factor
+        units = 1 if denominator == 1 else self.model.quotient_literals
+        if denominator == 1:
+            down, up = _neighbours(value)
+            return Interval(np.asarray(down), np.asarray(up), self)
+        return Interval(*widened(nearest, nearest, units, self.model), self)
+
+    def where(self, condition: Condition, a: Any, b: Any) -> Any:
+        """`a` or `b`; where that is undecided both, unless an engine takes one decision after the other."""
+        may_hold, may_fail = condition.may_hold, condition.may_fail
+        decide = getattr(engine(), "decide", None)
+        if decide is not None:
+            may_hold = decide(condition)
+            may_fail = ~may_hold
+        if isinstance(a, Condition):
+            return Condition(
+                (may_hold & a.may_hold) | (may_fail & b.may_hold), (may_hold & a.may_fail) | (may_fail & b.may_fail), self
+            )
+        if decide is not None:
+            return Interval(np.where(may_hold, a.low, b.low), np.where(may_hold, a.high, b.high), self)
+        low = np.where(may_hold, np.where(may_fail, np.minimum(a.low, b.low), a.low), b.low)
+        high = np.where(may_hold, np.where(may_fail, np.maximum(a.high, b.high), a.high), b.high)
+        return Interval(low, high, self)
+
+    def minimum(self, a: Interval, b: Interval) -> Interval:
+        return Interval(np.minimum(a.low, b.low), np.minimum(a.high, b.high), self)
+
+    def maximum(self, a: Interval, b: Interval) -> Interval:
+        return Interval(np.maximum(a.low, b.low), np.maximum(a.high, b.high), self)
+
+    def abs(self, x: Interval) -> Interval:
+        low = np.maximum(np.maximum(x.low, -x.high), 0)
+        return Interval(low, np.maximum(-x.low, x.high), self)
+
+    def floor(self, x: Interval) -> Interval:
+        return Interval(np.floor(x.low), np.floor(x.high), self)
+
+    def sqrt(self, x: Interval) -> Interval:
+        """Of what of it is not negative; the text takes no root of anything else."""
+        low, high = np.sqrt(np.maximum(x.low, 0)), np.sqrt(np.maximum(x.high, 0))
+        low, high = widened(low, high, self.model.root, self.model)
+        return Interval(np.maximum(low, 0), high, self)
+
+    def exp2(self, x: Interval) -> Interval:
+        model = self.model
+        with np.errstate(all="ignore"):
+            low, high = np.exp2(x.low), np.exp2(x.high)
+            low = low - low * self._relative(model.exp2 + model.exp2_slope * np.abs(x.low)) - 2.0**-1000
+            high = high + high * self._relative(model.exp2 + model.exp2_slope * np.abs(x.high)) + 2.0**-1000
+        low = np.where(x.low == -np.inf, 0, np.maximum(low, 0))
+        high = np.where(x.high == -np.inf, 0, np.where(np.isnan(high), np.inf, high))
+        return Interval(*widened(low, high, 0, model), self)._with(low_least=0)
+
+    def log2(self, x: Interval) -> Interval:
+        """Of what of it is not negative; -infinity of 0."""
+        with np.errstate(all="ignore"):
+            low, high = np.log2(np.maximum(x.low, 0)), np.log2(np.maximum(x.high, 0))
+            low_error, high_error = (
+                np.maximum(np.abs(end) * self._relative(self.model.log2), self.model.log2_absolute) + 2.0**-1000
+                for end in (low, high)
+            )
+            low, high = low - low_error, high + high_error
+        low = np.where(np.isnan(low), -np.inf, low)
+        high = np.where(np.isnan(high), np.where(x.high <= 0, -np.inf, np.inf), high)
+        return Interval(*widened(low, high, 0, self.model), self)
+
+    def isfinite(self, x: Interval) -> Condition:
+        finite = np.isfinite(x.low) & np.isfinite(x.high)
+        never = x.low > np.finfo(np.float64).max
+        return Condition(~never, ~finite, self)
+
+    def reshape(self, x: Interval, shape: tuple[int, ...]) -> Interval:
+        return Interval(x.low.reshape(shape), x.high.reshape(shape), self)
+
+    def take(self, x: Interval, index: Interval, axis: int) -> Interval:
+        """The item of each index; of several possible ones the hull."""
+        low, high = (np.take(end, index.low, axis=axis) for end in (x.low, x.high))
+        for i in range(x.shape[0]):
+            among = (index.low < i) & (i <= index.high)
+            if among.any():
+                low = np.where(among, np.minimum(low, x.low[i]), low)
+                high = np.where(among, np.maximum(high, x.high[i]), high)
+        return Interval(low, high, self)
+
+    def _relative(self, units: Any) -> Any:
+        return units * ULP32 * (1 + 2.0**-20) + (LIBM + 2) * ULP64
+
+
+def _neighbours(value: Fraction) -> tuple[float, float]:
+    """The float32 on either side of a number that is none."""
+    nearest = np.float32(float(value))
+    if Fraction(float(nearest)) > value:
+        return float(np.nextafter(nearest, np.float32(-np.inf))), float(nearest)
+    return float(nearest), float(np.nextafter(nearest, np.float32(np.inf)))
