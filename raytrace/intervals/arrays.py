@@ -1,9 +1,9 @@
 """The array type: intervals of numbers and of indices, and answers that may be undecided.
 
 An `Interval` holds every number that the arithmetic of its error model may have computed at that place, by the model of
-each operation. Bounds are float64 and err outward only. Where a bound says nothing, as for a quotient by an interval that
-holds 0, the interval is everything from -infinity to infinity, and stands for what is not a number as well. A `Condition`
-says for each place whether it may hold and whether it may fail.
+each operation. Bounds are float64 and err outward only. Where a bound says nothing, as for a quotient by an interval
+that holds 0, the interval is everything from -infinity to infinity, and stands for what is not a number as well. A
+`Condition` says for each place whether it may hold and whether it may fail.
 """
 
 from collections.abc import Callable
@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from raytrace.intervals.errors import ErrorModel
-from raytrace.intervals.rounding import exact_sum, lower, upper, widened
+from raytrace.intervals.rounding import exact_product, exact_sum, outward, outward_sum, widened
+from raytrace.shader.running import engine
 
-__all__ = ["Condition", "Interval"]
+__all__ = ["BOOL", "INT", "Condition", "Interval", "bounded"]
 
 
 class _Dtype(str):
@@ -68,7 +69,7 @@ class Interval:
         if self.dtype == INT:
             return Interval(self.low + other.low, self.high + other.high, self.xp)
         low, high = exact_sum(self.low, other.low), exact_sum(self.high, other.high)
-        return self._made(lower(*low, self.model), upper(*high, self.model))
+        return bounded(*outward_sum(low, high, self.model), self.xp)
 
     __radd__ = __add__
 
@@ -88,11 +89,10 @@ class Interval:
             return other
         scale = other if _is_power_of_two(other) else self if _is_power_of_two(self) else None
         if scale is not None:
-            # Exact, but for what is subnormal.
             x = self if scale is other else other
             ends = x.low * scale.low, x.high * scale.low
             low, high = (ends[1], ends[0]) if scale.low < 0 else ends
-            return self._made(lower(low, None, self.model), upper(high, None, self.model))
+            return bounded(*outward(low, high, self.model), self.xp)
         products = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
         low, high = _extremes(products)
         return self._rounded_products(low, high)
@@ -106,10 +106,10 @@ class Interval:
         return Interval(np.maximum(square.low, 0), square.high, self.xp)
 
     def _rounded_products(self, low: np.ndarray, high: np.ndarray) -> "Interval":
-        if self.model.float32 and not _may_underflow(low, high):
-            # The product of two float32 is a float64; ends are float32.
-            return self._made(lower(low, None, self.model), upper(high, None, self.model))
-        return self._made(*widened(low, high, 1 if self.model.float32 else 0, self.model))
+        if self.model.float32:
+            # Ends are float32, and the product of two of these is a float64.
+            return bounded(*outward(low, high, self.model), self.xp)
+        return bounded(*widened(low, high, 0, self.model), self.xp)
 
     def __truediv__(self, other: Any) -> "Interval":
         other = self._other(other)
@@ -117,11 +117,34 @@ class Interval:
             return other
         if _is_power_of_two(other):
             return self * Interval(1 / other.low, 1 / other.low, self.xp)
+        if other.ndim == 0 and not self.model.float32:
+            return self._by_one_number(other)
         with np.errstate(all="ignore"):
             quotients = [a / b for a in (self.low, self.high) for b in (other.low, other.high)]
         low, high = widened(*_extremes(quotients), self.model.divide, self.model)
         unbounded = (other.low <= 0) & (other.high >= 0)
-        return self._made(np.where(unbounded, -np.inf, low), np.where(unbounded, np.inf, high))
+        low, high = np.where(unbounded, -np.inf, low), np.where(unbounded, np.inf, high)
+        return bounded(*self._by_zero(other, low, high), self.xp)
+
+    def _by_one_number(self, other: "Interval") -> "Interval":
+        """Quotients by the same number for all: those that are exact stay exact, as a pixel's coordinates do."""
+        with np.errstate(all="ignore"):
+            ends = [a / b for a, b in ((self.low, other.low), (self.high, other.high))]
+        point = (self.low == self.high) & (other.low == other.high)
+        exact = point & (np.abs(other.low) > 0) & exact_product(ends[0], other.low, self.low)
+        quotient = self / Interval(np.broadcast_to(other.low, (1,)), np.broadcast_to(other.high, (1,)), self.xp)
+        low, high = (end.reshape(self.shape) for end in (quotient.low, quotient.high))
+        return Interval(np.where(exact, ends[0], low), np.where(exact, ends[0], high), self.xp)
+
+    def _by_zero(self, other: "Interval", low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A quotient by 0 itself is infinite, with a sign that is not known: an engine that decides tries both."""
+        decide = getattr(engine(), "decide", None)
+        zero = (other.low == 0) & (other.high == 0) & ((self.low > 0) | (self.high < 0))
+        if decide is None or not zero.any():
+            return low, high
+        infinite = np.where(decide(Condition(np.ones_like(zero), zero, self.xp)), np.inf, -np.inf)
+        infinite = np.where(self.low > 0, infinite, -infinite)
+        return np.where(zero, infinite, low), np.where(zero, infinite, high)
 
     def __rtruediv__(self, other: Any) -> "Interval":
         other = self._other(other)
@@ -164,12 +187,13 @@ class Interval:
             return Interval(value, value, self.xp)
         return NotImplemented
 
-    def _made(self, low: np.ndarray, high: np.ndarray) -> "Interval":
-        # What is not a number, such as 0 times infinity, may be anything.
-        wrong = np.isnan(low) | np.isnan(high)
-        if wrong.any():
-            low, high = np.where(wrong, -np.inf, low), np.where(wrong, np.inf, high)
-        return Interval(low, high, self.xp)
+
+def bounded(low: np.ndarray, high: np.ndarray, xp: Any) -> Interval:
+    """The interval; where an end is not a number, as 0 times infinity is none, everything."""
+    wrong = np.isnan(low) | np.isnan(high)
+    if wrong.any():
+        low, high = np.where(wrong, -np.inf, low), np.where(wrong, np.inf, high)
+    return Interval(low, high, xp)
 
 
 class Condition:
@@ -228,11 +252,6 @@ def _is_power_of_two(x: Interval) -> bool:
         return False
     value = float(x.low)
     return value == float(x.high) and abs(np.frexp(value)[0]) == 0.5 and 2.0**-60 < abs(value) < 2.0**60
-
-
-def _may_underflow(low: np.ndarray, high: np.ndarray) -> bool:
-    """Whether a product of two float32 among these ends may not be a float64; their smallest is 2**-298."""
-    return False
 
 
 def _anything(x: Interval) -> Any:

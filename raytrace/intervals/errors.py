@@ -9,16 +9,12 @@ Bounds are float64 and computed with NumPy. What that rounds is always added, ou
 
 from typing import NamedTuple
 
-import numpy as np
-
 __all__ = ["GLSL_HIGHP", "LIBM", "REAL", "ErrorModel"]
 
 #: Units in the last place by which NumPy's exp2 and log2 may err in float64.
 LIBM = 4
 #: One unit in the last place is at most this much of a number: in float64, in float32.
 ULP64, ULP32 = 2.0**-52, 2.0**-23
-#: Numbers below may be anything between themselves and 0, in float64 for safety's sake, and in float32.
-TINY64, TINY32 = 2.0**-1022, 2.0**-126
 
 
 class ErrorModel(NamedTuple):
@@ -26,6 +22,7 @@ class ErrorModel(NamedTuple):
 
     name: as in the command's ``--precision``.
     float32: every result is a float32: the exact one's neighbour on either side. Otherwise a real number.
+    smallest: a smaller number may be taken for 0: in float32 a GPU's flush of subnormal numbers, otherwise ours.
     divide, root: how many units in the last place of float32 a quotient and a square root may err.
     exp2, exp2_slope: 2**x may err by `exp2` + `exp2_slope` * abs(x) such units.
     log2, log2_absolute: a logarithm by `log2` such units or, near 1, by that much.
@@ -37,6 +34,7 @@ class ErrorModel(NamedTuple):
 
     name: str
     float32: bool
+    smallest: float
     divide: float = 0
     root: float = 0
     exp2: float = 0
@@ -48,7 +46,7 @@ class ErrorModel(NamedTuple):
     powers_by_logarithm: bool = False
 
 
-REAL = ErrorModel("real", float32=False)
+REAL = ErrorModel("real", float32=False, smallest=2.0**-500)
 
 #: What WGSL ('Floating Point Accuracy'), Vulkan ('Precision and Operation of SPIR-V Instructions') and GLSL ES 3.00
 #: (4.5.1) promise of highp. A square root is taken as 1 / inverseSqrt: 2 and 2.5 units, and a rounding of the product.
@@ -56,6 +54,7 @@ REAL = ErrorModel("real", float32=False)
 GLSL_HIGHP = ErrorModel(
     "glsl-highp",
     float32=True,
+    smallest=2.0**-126,
     divide=2.5,
     root=5,
     exp2=3,

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.intervals.arrays import BOOL, INT, Condition, Interval
+from raytrace.intervals.arrays import BOOL, INT, Condition, Interval, bounded
 from raytrace.intervals.errors import LIBM, ULP32, ULP64, ErrorModel
 from raytrace.intervals.rounding import widened
 from raytrace.shader.running import engine
@@ -57,11 +57,9 @@ class Namespace:
         for factor in (2, 5):
             while denominator % factor == 0:
                 denominator //= factor
-        units = 1 if denominator == 1 else self.model.quotient_literals
         if denominator == 1:
-            down, up = _neighbours(value)
-            return Interval(np.asarray(down), np.asarray(up), self)
-        return Interval(*widened(nearest, nearest, units, self.model), self)
+            return Interval(*map(np.asarray, _neighbours(value)), self)
+        return Interval(*widened(nearest, nearest, self.model.quotient_literals, self.model), self)
 
     def where(self, condition: Condition, a: Any, b: Any) -> Any:
         """`a` or `b`; where that is undecided both, unless an engine takes one decision after the other."""
@@ -72,7 +70,9 @@ class Namespace:
             may_fail = ~may_hold
         if isinstance(a, Condition):
             return Condition(
-                (may_hold & a.may_hold) | (may_fail & b.may_hold), (may_hold & a.may_fail) | (may_fail & b.may_fail), self
+                (may_hold & a.may_hold) | (may_fail & b.may_hold),
+                (may_hold & a.may_fail) | (may_fail & b.may_fail),
+                self,
             )
         if decide is not None:
             return Interval(np.where(may_hold, a.low, b.low), np.where(may_hold, a.high, b.high), self)
@@ -103,24 +103,25 @@ class Namespace:
         model = self.model
         with np.errstate(all="ignore"):
             low, high = np.exp2(x.low), np.exp2(x.high)
-            low = low - low * self._relative(model.exp2 + model.exp2_slope * np.abs(x.low)) - 2.0**-1000
+            low = low - low * self._relative(model.exp2 + model.exp2_slope * np.abs(x.low))
             high = high + high * self._relative(model.exp2 + model.exp2_slope * np.abs(x.high)) + 2.0**-1000
-        low = np.where(x.low == -np.inf, 0, np.maximum(low, 0))
+        low = np.where(x.low == -np.inf, 0, np.where(np.isnan(low), np.finfo(np.float64).max, low))
         high = np.where(x.high == -np.inf, 0, np.where(np.isnan(high), np.inf, high))
-        return Interval(*widened(low, high, 0, model), self)._with(low_least=0)
+        low, high = widened(low, high, 0, model)
+        return bounded(np.maximum(low, 0), high, self)
 
     def log2(self, x: Interval) -> Interval:
         """Of what of it is not negative; -infinity of 0."""
         with np.errstate(all="ignore"):
             low, high = np.log2(np.maximum(x.low, 0)), np.log2(np.maximum(x.high, 0))
             low_error, high_error = (
-                np.maximum(np.abs(end) * self._relative(self.model.log2), self.model.log2_absolute) + 2.0**-1000
+                np.maximum(np.abs(end) * self._relative(self.model.log2), self.model.log2_absolute)
                 for end in (low, high)
             )
             low, high = low - low_error, high + high_error
         low = np.where(np.isnan(low), -np.inf, low)
         high = np.where(np.isnan(high), np.where(x.high <= 0, -np.inf, np.inf), high)
-        return Interval(*widened(low, high, 0, self.model), self)
+        return bounded(*widened(low, high, 0, self.model), self)
 
     def isfinite(self, x: Interval) -> Condition:
         finite = np.isfinite(x.low) & np.isfinite(x.high)

@@ -257,7 +257,8 @@ def pow(x: Any, y: Any) -> Any:
     roots = _square_roots(y)
 
     def leaf(x):
-        if roots:
+        # An arithmetic that stands for other people's programs has no choice of its own.
+        if roots and not getattr(namespace(x), "powers_by_logarithm", False):
             for _ in range(roots):
                 x = sqrt(x)
             return x

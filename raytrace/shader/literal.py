@@ -52,8 +52,13 @@ class Literal:
         self.value = value
 
     def like(self, operand: Any) -> Any:
-        """This number in the arithmetic of the array `operand`, of shape ()."""
+        """This number in the arithmetic of the array `operand`, of shape ().
+
+        The namespace's own function `rational` gives it, where there is one: what a compiler may make of a literal.
+        """
         xp = namespace(operand)
+        if hasattr(xp, "rational"):
+            return xp.rational(self.value)
         numerator, denominator = (xp.asarray(float(n), dtype=operand.dtype) for n in self.value.as_integer_ratio())
         return numerator / denominator
 

@@ -1,0 +1,223 @@
+"""Bounds of every pixel of an image, for every program that conforms to an error model."""
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from raytrace.cores import cores
+from raytrace.intervals import REAL, ErrorModel, Interval, Namespace
+from raytrace.intervals.paths import Paths
+from raytrace.intervals.rounding import outward
+from raytrace.shader.camera import pixel_to_ndc
+from raytrace.shader.control import Engine, count, running
+from raytrace.shader.glsl import Vec2
+from raytrace.shader.main import main
+from raytrace.shader.pixel import Frame, texture_coordinates
+from raytrace.shader.tree import tree_map
+from raytrace.shader.uniforms import Program, Sphere, Uniforms
+
+__all__ = ["REASONS", "Bounds", "image_bounds"]
+
+#: The sides of a tile of pixels that are computed together, and so many of them: their planes fit into the cache.
+ROWS, COLUMNS = 128, 256
+TILE = ROWS * COLUMNS
+#: Of a pixel whose decisions take more courses than this the hull over all decisions at once is taken.
+MOST_COURSES = 64
+#: A colour whose bounds are wider holds more than one of a pattern's.
+SEVERAL_COLORS = 1 / 255
+KEEP = ("index", "albedo", "linear", "display")
+#: Why a pixel is not decided; 0 where it is.
+REASONS = ("", "silhouette", "horizon", "shadow edge", "pattern edge", "too many decisions")
+SILHOUETTE, HORIZON, SHADOW, PATTERN, TOO_MANY = range(1, len(REASONS))
+
+
+class Bounds(NamedTuple):
+    """Arrays (height, width, 3) of float64: what display and linear values may be; (height, width): `reason` by
+    `REASONS`, of pixels for which the program may take different decisions, and how many `courses` they can take.
+    """
+
+    display: tuple[np.ndarray, np.ndarray]
+    linear: tuple[np.ndarray, np.ndarray]
+    reason: np.ndarray
+    courses: np.ndarray
+
+    def hull(self, other: "Bounds") -> "Bounds":
+        """What either of two programs may give."""
+
+        def both(a: tuple, b: tuple) -> tuple:
+            return np.minimum(a[0], b[0]), np.maximum(a[1], b[1])
+
+        reason = np.where(self.reason > 0, self.reason, other.reason)
+        courses = np.maximum(self.courses, other.courses)
+        return Bounds(both(self.display, other.display), both(self.linear, other.linear), reason, courses)
+
+
+def image_bounds(
+    uniforms: Uniforms,
+    program: Program,
+    frame: Frame,
+    model: ErrorModel,
+    done: Callable[[int], None] = lambda pixels: None,
+) -> Bounds:
+    """The bounds for uniforms (NumPy, float32 in value) of an image with one sample a pixel; `done` counts pixels."""
+    if not model.float32:
+        uniforms = uniforms._replace(spheres=_without_coincident(uniforms.spheres))
+    shape = (frame.height, frame.width)
+    images = {name: tuple(np.empty((*shape, 3)) for _ in range(2)) for name in ("display", "linear")}
+    bounds = Bounds(images["display"], images["linear"], np.zeros(shape, np.uint8), np.ones(shape, np.int32))
+    run = _Program(uniforms, program, frame, Namespace(model))
+    pixels = np.arange(frame.width * frame.height).reshape(shape)
+    tiles = [
+        pixels[row : row + ROWS, column : column + COLUMNS].ravel()
+        for row in range(0, frame.height, ROWS)
+        for column in range(0, frame.width, COLUMNS)
+    ]
+    pool = ThreadPoolExecutor(cores())
+    try:
+        for tile in [pool.submit(_fill, bounds, run, places) for places in tiles]:
+            done(tile.result())
+    finally:
+        pool.shutdown(cancel_futures=True)
+    return bounds
+
+
+def _without_coincident(spheres: Sphere | None) -> Sphere | None:
+    """Of equal spheres the last alone: the others are met at the same t, in real numbers, and the last one wins."""
+    if spheres is None:
+        return None
+    places = np.stack([*spheres.center, spheres.radius], axis=-1)[::-1]
+    _, first = np.unique(places, axis=0, return_index=True)
+    kept = np.sort(len(places) - 1 - first)
+    return tree_map(lambda leaf: leaf[kept], spheres)
+
+
+_REAL = Namespace(REAL)
+
+
+class _Program(NamedTuple):
+    uniforms: Uniforms
+    program: Program
+    frame: Frame
+    xp: Namespace
+
+    def __call__(self, places: np.ndarray, engine: Engine) -> "_Hulls":
+        """The program at the pixels of those numbers."""
+        xp, frame = self.xp, self.frame
+        with running(engine), np.errstate(all="ignore"):
+            row, column = (_REAL.given(x.astype(np.float64)) for x in divmod(places, frame.width))
+            uv = texture_coordinates(column, row, Vec2(0.5, 0.5), frame)
+            ndc = pixel_to_ndc(*(self._interpolated(x) for x in uv))
+            steps = main(tree_map(xp.given, self.uniforms), self.program, ndc, KEEP)
+        return _Hulls.of(steps, len(places))
+
+    def _interpolated(self, x: Interval) -> Interval:
+        """A varying: nobody promises how a rasterizer computes it; the model says how far off it may be."""
+        model = self.xp.model
+        return Interval(*outward(x.low - model.interpolation, x.high + model.interpolation, model), self.xp)
+
+
+class _Hulls(NamedTuple):
+    """Of n pixels: low and high ends of the steps kept, (n, components).
+
+    apart: of linear light the largest of all courses' low ends, and the smallest of their high ends.
+    """
+
+    index: tuple[np.ndarray, np.ndarray]
+    albedo: tuple[np.ndarray, np.ndarray]
+    linear: tuple[np.ndarray, np.ndarray]
+    display: tuple[np.ndarray, np.ndarray]
+    apart: tuple[np.ndarray, np.ndarray]
+
+    @classmethod
+    def of(cls, steps: Any, n: int) -> "_Hulls":
+        def ends(planes: Any) -> tuple[np.ndarray, np.ndarray]:
+            planes = planes if isinstance(planes, tuple) else (planes,)
+            return tuple(
+                np.stack([np.broadcast_to(getattr(plane, end), n) for plane in planes], axis=-1)
+                for end in ("low", "high")
+            )
+
+        linear = ends(steps.linear)
+        apart = tuple(end.copy() for end in linear)
+        return cls(ends(steps.index), ends(steps.albedo), linear, ends(steps.display), apart)
+
+    def include(self, pixels: np.ndarray, other: "_Hulls") -> None:
+        """Widens the hulls of `pixels`, which may occur several times, to hold those of `other`."""
+        for (low, high), (other_low, other_high) in zip(self[:-1], other[:-1], strict=True):
+            np.minimum.at(low, pixels, other_low)
+            np.maximum.at(high, pixels, other_high)
+        np.maximum.at(self.apart[0], pixels, other.apart[0])
+        np.minimum.at(self.apart[1], pixels, other.apart[1])
+
+
+def _fill(bounds: Bounds, run: _Program, places: np.ndarray) -> int:
+    """Fills in the pixels of those numbers, every course that they can take."""
+    n = len(places)
+    engine = Paths(np.zeros((n, 0), np.int8))
+    hulls = run(places, engine)
+    courses, too_many = np.ones(n, np.int32), np.zeros(n, bool)
+    pixels, given = _siblings(np.arange(n), engine)
+    while len(pixels):
+        courses += np.bincount(pixels, minlength=n).astype(np.int32)
+        too_many |= courses > MOST_COURSES
+        kept = ~too_many[pixels]
+        pixels, given = pixels[kept], given[kept]
+        # Not more at a time than in the beginning.
+        found = []
+        for i in range(0, len(pixels), TILE):
+            some, other = pixels[i : i + TILE], given[i : i + TILE]
+            engine = Paths(other)
+            hulls.include(some, run(places[some], engine))
+            found.append(_siblings(some, engine))
+        pixels, given = _joined(found)
+    if too_many.any():
+        hulls.include(np.flatnonzero(too_many), run(places[too_many], Engine()))
+    _store(bounds, hulls, courses, too_many, places, count(run.uniforms.spheres))
+    return n
+
+
+def _siblings(pixels: np.ndarray, engine: Paths) -> tuple[np.ndarray, np.ndarray]:
+    """The courses that part from those just taken: pixels, and their decisions."""
+    parts = []
+    for rows, numbers in engine.new:
+        depth = int(numbers.max()) + 1
+        given = np.full((len(rows), depth), -1, np.int8)
+        place = np.arange(depth)[None, :]
+        # All new decisions were yes up to there; this one now is no.
+        given[place < numbers[:, None]] = 1
+        known = min(depth, engine.given.shape[1])
+        earlier = engine.given[rows, :known]
+        given[:, :known] = np.where((earlier >= 0) & (place[:, :known] < numbers[:, None]), earlier, given[:, :known])
+        given[np.arange(len(rows)), numbers] = 0
+        parts.append((pixels[rows], given))
+    return _joined(parts)
+
+
+def _joined(parts: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    if not parts:
+        return np.zeros(0, np.int64), np.zeros((0, 0), np.int8)
+    depth = max(given.shape[1] for _, given in parts)
+    padded = [np.pad(given, ((0, 0), (0, depth - given.shape[1])), constant_values=-1) for _, given in parts]
+    return np.concatenate([pixels for pixels, _ in parts]), np.concatenate(padded)
+
+
+def _store(
+    bounds: Bounds, hulls: _Hulls, courses: np.ndarray, too_many: np.ndarray, places: np.ndarray, spheres: int
+) -> None:
+    for name in ("display", "linear"):
+        for image, end in zip(getattr(bounds, name), getattr(hulls, name), strict=True):
+            image.reshape(-1, 3)[places] = end
+    index_low, index_high = (end[:, 0] for end in hulls.index)
+    # Two courses with different results: a step lies within the bounds.
+    undecided = (hulls.apart[0] > hulls.apart[1]).any(axis=-1)
+    wide_albedo = (hulls.albedo[1] - hulls.albedo[0] > SEVERAL_COLORS).any(axis=-1)
+    reason = np.where(wide_albedo & (index_low == index_high), PATTERN, SHADOW)
+    other_surface = np.where((index_low == -1) & (index_high >= spheres), HORIZON, SILHOUETTE)
+    reason = np.where(index_low != index_high, other_surface, reason)
+    # A pattern under one course, as far out as the horizon: a single bound holds all of its colours.
+    reason = np.where(undecided, reason, np.where(wide_albedo & (index_low >= 0), PATTERN, 0))
+    reason[too_many] = TOO_MANY
+    bounds.reason.reshape(-1)[places] = reason
+    bounds.courses.reshape(-1)[places] = courses
