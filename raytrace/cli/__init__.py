@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from raytrace.cli.bench import bench
+from raytrace.cli.certify import certify, verify
 from raytrace.cli.compare import compare
 from raytrace.cli.export import export
 from raytrace.cli.golden import check, golden
@@ -36,6 +37,8 @@ app.command()(stress)
 app.command()(compare)
 app.command()(golden)
 app.command()(check)
+app.command()(certify)
+app.command()(verify)
 
 
 @app.callback(invoke_without_command=True)

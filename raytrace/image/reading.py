@@ -10,13 +10,27 @@ from raytrace.image.formats import metadata_of
 from raytrace.image.layers import STEP_CHANNELS, steps_of
 from raytrace.image.messages import quiet, told
 
-__all__ = ["read_image", "read_metadata"]
+__all__ = ["read_image", "read_metadata", "read_planes"]
 
 
 def read_image(path: str | Path) -> Any:
     """The image in a file: a float32 array (height, width, 3), integers divided by their largest value.
 
     A file of steps, as `write_image` writes it, gives the dict of steps. Grey is repeated; alpha is left out.
+
+    Raises:
+        InputError: there is no such file, or it is not a whole image.
+    """
+    planes = read_planes(path)
+    if planes.keys() >= set(STEP_CHANNELS):
+        return steps_of(planes)
+    if planes.keys() >= {"R", "G", "B"}:
+        return np.stack([planes["R"], planes["G"], planes["B"]], axis=-1)
+    return np.repeat(next(iter(planes.values()))[..., None], 3, axis=-1)
+
+
+def read_planes(path: str | Path) -> dict[str, np.ndarray]:
+    """Every channel of a file by its name, float32 (height, width), integers divided by their largest value.
 
     Raises:
         InputError: there is no such file, or it is not a whole image.
@@ -33,12 +47,7 @@ def read_image(path: str | Path) -> Any:
             raise InputError(f"{path}: is not a whole image: {told(file)}")
     finally:
         file.close()
-    planes = {name: pixels[..., k] for k, name in enumerate(spec.channelnames)}
-    if planes.keys() >= set(STEP_CHANNELS):
-        return steps_of(planes)
-    if planes.keys() >= {"R", "G", "B"}:
-        return np.stack([planes["R"], planes["G"], planes["B"]], axis=-1)
-    return np.repeat(pixels[..., :1], 3, axis=-1)
+    return {name: pixels[..., k] for k, name in enumerate(spec.channelnames)}
 
 
 def read_metadata(path: str | Path) -> dict[str, str]:

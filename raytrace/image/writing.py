@@ -1,6 +1,6 @@
 """Images into files, at once or from the top down while they are rendered."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from raytrace.image.layers import STEP_CHANNELS, step_channels
 from raytrace.image.messages import quiet, told
 from raytrace.shader.main import COMPONENTS
 
-__all__ = ["ImageFile", "image_file", "write_image"]
+__all__ = ["ImageFile", "image_file", "write_image", "write_planes"]
 
 
 class ImageFile:
@@ -47,12 +47,14 @@ def image_file(
     output: str = "display",
     bits: int | None = None,
     metadata: Mapping[str, str] | None = None,
+    channels: Sequence[str] | None = None,
 ) -> Iterator[ImageFile]:
     """A file of `size` (width, height) to be written by the body; it appears whole when the body ends well.
 
     output: what the values are: "display", "linear", or "steps" (one OpenEXR file with a layer for each step).
     bits: of a channel: 8 or 16 for PNG, 8, 16 or 32 (float) for TIFF, 16 (half) or 32 (float) for OpenEXR.
     metadata: texts that are stored with it, under their names with "raytrace:" in front.
+    channels: the names of the channels, where these are not those of `output`.
 
     Raises:
         InputError: the format cannot hold this, or the file cannot be written.
@@ -69,7 +71,7 @@ def image_file(
     if output == "steps" and path.suffix.lower() != ".exr":
         raise InputError(f"{path}: output 'steps' has many layers, which only .exr can hold")
     steps = output == "steps"
-    names = STEP_CHANNELS if steps else ["R", "G", "B"]
+    names = list(channels) if channels else STEP_CHANNELS if steps else ["R", "G", "B"]
     with whole_file(path) as temporary:
         spec = oiio.ImageSpec(*size, len(names), kind)
         spec.channelnames = tuple(names)
@@ -122,6 +124,20 @@ def write_image(
         height, width = array.shape[:2]
     with image_file(path, (width, height), output=output, bits=bits, metadata=metadata) as file:
         file.write(image)
+
+
+def write_planes(path: str | Path, planes: Mapping[str, np.ndarray], *, metadata: Mapping[str, str]) -> None:
+    """Writes planes (height, width) as the float32 channels of one OpenEXR file, by their names.
+
+    Raises:
+        InputError: the file is no .exr, or cannot be written.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".exr":
+        raise InputError(f"{path}: has many layers, which only .exr can hold")
+    height, width = next(iter(planes.values())).shape
+    with image_file(path, (width, height), bits=32, metadata=metadata, channels=list(planes)) as file:
+        file.write(np.stack([plane.astype(np.float32, copy=False) for plane in planes.values()], axis=-1))
 
 
 def _quantized(pixels: np.ndarray, integer: np.dtype) -> np.ndarray:

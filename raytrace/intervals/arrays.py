@@ -7,6 +7,7 @@ that holds 0, the interval is everything from -infinity to infinity, and stands 
 """
 
 from collections.abc import Callable
+from math import frexp
 from typing import Any
 
 import numpy as np
@@ -93,7 +94,8 @@ class Interval:
             ends = x.low * scale.low, x.high * scale.low
             low, high = (ends[1], ends[0]) if scale.low < 0 else ends
             return bounded(*outward(low, high, self.model), self.xp)
-        products = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
+        with np.errstate(all="ignore"):
+            products = [a * b for a in (self.low, self.high) for b in (other.low, other.high)]
         low, high = _extremes(products)
         return self._rounded_products(low, high)
 
@@ -105,11 +107,11 @@ class Interval:
         square = self._rounded_products(low, high)
         return Interval(np.maximum(square.low, 0), square.high, self.xp)
 
-    def _rounded_products(self, low: np.ndarray, high: np.ndarray) -> "Interval":
+    def _rounded_products(self, low: Any, high: Any) -> "Interval":
         if self.model.float32:
             # Ends are float32, and the product of two of these is a float64.
             return bounded(*outward(low, high, self.model), self.xp)
-        return bounded(*widened(low, high, 0, self.model), self.xp)
+        return bounded(*widened(low, high, 0.0, self.model), self.xp)
 
     def __truediv__(self, other: Any) -> "Interval":
         other = self._other(other)
@@ -136,7 +138,7 @@ class Interval:
         low, high = (end.reshape(self.shape) for end in (quotient.low, quotient.high))
         return Interval(np.where(exact, ends[0], low), np.where(exact, ends[0], high), self.xp)
 
-    def _by_zero(self, other: "Interval", low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _by_zero(self, other: "Interval", low: Any, high: Any) -> tuple[Any, Any]:
         """A quotient by 0 itself is infinite, with a sign that is not known: an engine that decides tries both."""
         decide = getattr(engine(), "decide", None)
         zero = (other.low == 0) & (other.high == 0) & ((self.low > 0) | (self.high < 0))
@@ -188,7 +190,7 @@ class Interval:
         return NotImplemented
 
 
-def bounded(low: np.ndarray, high: np.ndarray, xp: Any) -> Interval:
+def bounded(low: Any, high: Any, xp: Any) -> Interval:
     """The interval; where an end is not a number, as 0 times infinity is none, everything."""
     wrong = np.isnan(low) | np.isnan(high)
     if wrong.any():
@@ -240,7 +242,7 @@ class Condition:
         return Condition(self.may_fail, self.may_hold, self.xp)
 
 
-def _extremes(numbers: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+def _extremes(numbers: list) -> tuple[Any, Any]:
     """The smallest and the largest, NaN where one is."""
     a, b, c, d = numbers
     return np.minimum(np.minimum(a, b), np.minimum(c, d)), np.maximum(np.maximum(a, b), np.maximum(c, d))
@@ -251,16 +253,16 @@ def _is_power_of_two(x: Interval) -> bool:
     if x.low.size != 1 or x.dtype == INT or x.low.ndim:
         return False
     value = float(x.low)
-    return value == float(x.high) and abs(np.frexp(value)[0]) == 0.5 and 2.0**-60 < abs(value) < 2.0**60
+    return value == float(x.high) and abs(frexp(value)[0]) == 0.5 and 2.0**-60 < abs(value) < 2.0**60
 
 
 def _anything(x: Interval) -> Any:
     return (x.low == -np.inf) & (x.high == np.inf) if x.dtype == FLOAT else False
 
 
-def _overlap(a: Interval, b: Interval) -> np.ndarray:
+def _overlap(a: Interval, b: Interval) -> Any:
     return (a.low <= b.high) & (a.high >= b.low)
 
 
-def _same_points(a: Interval, b: Interval) -> np.ndarray:
+def _same_points(a: Interval, b: Interval) -> Any:
     return (a.low == a.high) & (b.low == b.high) & (a.low == b.low)

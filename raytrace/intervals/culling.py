@@ -1,13 +1,14 @@
 """Spheres that none of some rays can meet, whatever rounding does to the program's own test.
 
-All rays lie in two boxes, of their origins and of their directions. For every sphere the discriminant of all lines of the
-boxes is bounded in real arithmetic, and the sphere is left out where it is negative by more than any program can err.
+All rays lie in two boxes, of their origins and of their directions. For every sphere the discriminant of all lines of
+the boxes is bounded in real arithmetic, and the sphere is left out where it is negative by more than any program can
+err.
 
 How much that is: let u = 2**-23 be what one operation may err relatively (either neighbour of the exact result, in
-float32), D the distance of origin and centre, r the radius. A difference of origin and centre errs by u D; a scalar product
-of three terms by 5 u more, so b by 7 u D, and b * b by 15 u D**2; c = D**2 - r**2 by 8 u D**2 + 2 u r**2; their difference by
-26 u (D**2 + r**2) in all. The direction's length may be off by 8 u, which moves b * b by 16 u D**2. `SLACK` is 64 u. The
-robust formula errs by less: its terms are no larger than the textbook's.
+float32), D the distance of origin and centre, r the radius. A difference of origin and centre errs by u D; a scalar
+product of three terms by 5 u more, so b by 7 u D, and b * b by 15 u D**2; c = D**2 - r**2 by 8 u D**2 + 2 u r**2; their
+difference by 26 u (D**2 + r**2) in all. The direction's length may be off by 8 u, which moves b * b by 16 u D**2.
+`SLACK` is 64 u. The robust formula errs by less: its terms are no larger than the textbook's.
 """
 
 from typing import Any

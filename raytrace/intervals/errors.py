@@ -35,14 +35,14 @@ class ErrorModel(NamedTuple):
     name: str
     float32: bool
     smallest: float
-    divide: float = 0
-    root: float = 0
-    exp2: float = 0
-    exp2_slope: float = 0
-    log2: float = 0
-    log2_absolute: float = 0
-    interpolation: float = 0
-    quotient_literals: float = 0
+    divide: float = 0.0
+    root: float = 0.0
+    exp2: float = 0.0
+    exp2_slope: float = 0.0
+    log2: float = 0.0
+    log2_absolute: float = 0.0
+    interpolation: float = 0.0
+    quotient_literals: float = 0.0
     powers_by_logarithm: bool = False
 
 
@@ -56,12 +56,12 @@ GLSL_HIGHP = ErrorModel(
     float32=True,
     smallest=2.0**-126,
     divide=2.5,
-    root=5,
-    exp2=3,
-    exp2_slope=2,
-    log2=3,
+    root=5.0,
+    exp2=3.0,
+    exp2_slope=2.0,
+    log2=3.0,
     log2_absolute=2.0**-21,
     interpolation=2.0**-23,
-    quotient_literals=4,
+    quotient_literals=4.0,
     powers_by_logarithm=True,
 )

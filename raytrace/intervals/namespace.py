@@ -49,7 +49,7 @@ class Namespace:
         if Fraction(float(value)) == value and (not self.model.float32 or np.float32(nearest) == nearest):
             return Interval(nearest, nearest, self)
         if not self.model.float32:
-            return Interval(*widened(nearest, nearest, 0, self.model), self)
+            return Interval(*widened(nearest, nearest, 0.0, self.model), self)
         # A decimal's neighbours; what is no decimal stands as a quotient of two.
         denominator = value.denominator
         while denominator % 10 == 0:
@@ -107,7 +107,7 @@ class Namespace:
             high = high + high * self._relative(model.exp2 + model.exp2_slope * np.abs(x.high)) + 2.0**-1000
         low = np.where(x.low == -np.inf, 0, np.where(np.isnan(low), np.finfo(np.float64).max, low))
         high = np.where(x.high == -np.inf, 0, np.where(np.isnan(high), np.inf, high))
-        low, high = widened(low, high, 0, model)
+        low, high = widened(low, high, 0.0, model)
         return bounded(np.maximum(low, 0), high, self)
 
     def log2(self, x: Interval) -> Interval:
@@ -121,7 +121,7 @@ class Namespace:
             low, high = low - low_error, high + high_error
         low = np.where(np.isnan(low), -np.inf, low)
         high = np.where(np.isnan(high), np.where(x.high <= 0, -np.inf, np.inf), high)
-        return bounded(*widened(low, high, 0, self.model), self)
+        return bounded(*widened(low, high, 0.0, self.model), self)
 
     def isfinite(self, x: Interval) -> Condition:
         finite = np.isfinite(x.low) & np.isfinite(x.high)

@@ -1,10 +1,10 @@
 """Decisions, one after the other: where bounds leave a comparison open the program is followed both ways.
 
 The hull over an undecided comparison is wide: of a ray that may or may not meet a sphere it would hold every distance
-between -1, for a miss, and the hit's. So a pixel with an undecided comparison is computed once for each course that its
-decisions can take, and each course has narrow bounds. The real program takes one of them, and what it computes is within
-that one's bounds. Courses are found as they are met: where a decision is new, the pixel goes on with yes, and is put
-down to be computed again with no.
+between -1, for a miss, and the hit's. So a pixel with an undecided comparison is computed once for each course that
+its decisions can take, and each course has narrow bounds. The real program takes one of them, and what it computes is
+within that one's bounds. Courses are found as they are met: where a decision is new, the pixel goes on with yes, and is
+put down to be computed again with no.
 """
 
 from collections.abc import Callable
@@ -25,7 +25,6 @@ class Paths(Engine):
     """The engine for one array of pixels, each with the decisions that it has been given.
 
     given: (n, k) int8: 1 for yes and 0 for no, -1 from where a pixel's list ends.
-    `taken` and `wanted` afterwards: the decisions that each pixel took, and in how many comparisons.
     """
 
     def __init__(self, given: np.ndarray):

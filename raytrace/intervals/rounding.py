@@ -1,13 +1,14 @@
 """Outward: from results that float64 has rounded to ends that hold.
 
 Every end is 0 or of at least the model's smallest size, so that no product or quotient of two ends underflows in
-float64, and a result is 0 only where it is exactly that. In a float32 model every end is a float32, so that products are
-exact.
+float64, and a result is 0 only where it is exactly that. In a float32 model every end is a float32, so that products
+are exact.
 """
 
 import numpy as np
 
 from raytrace.intervals.errors import ErrorModel
+from raytrace.shader.types import Array
 
 __all__ = ["exact_product", "exact_sum", "outward", "outward_sum", "widened"]
 
@@ -16,20 +17,20 @@ _EXTRA = np.int64((1 << 29) - 1)
 _LARGEST32, _LARGEST64 = float(np.finfo(np.float32).max), float(np.finfo(np.float64).max)
 _ULP64 = 2.0**-52
 
-Ends = tuple[np.ndarray, np.ndarray]
+Ends = tuple[Array, Array]
 
 
-def exact_sum(a: np.ndarray, b: np.ndarray) -> Ends:
+def exact_sum(a: Array, b: Array) -> Ends:
     """The rounded sum, and what it lacks to the exact one (D. E. Knuth's TwoSum); NaN where it overflows."""
     total = a + b
     part = total - a
     return total, (a - (total - part)) + (b - part)
 
 
-def exact_product(a: np.ndarray, b: np.ndarray, product: np.ndarray) -> np.ndarray:
-    """Whether a * b is `product`, exactly (T. J. Dekker's product, G. W. Veltkamp's splitting); no for very large ones."""
+def exact_product(a: Array, b: Array, product: Array) -> Array:
+    """Whether a * b is `product`, exactly (T. J. Dekker's product, G. W. Veltkamp's splitting); no for huge ones."""
 
-    def split(x: np.ndarray) -> Ends:
+    def split(x: Array) -> Ends:
         shifted = 134217729.0 * x
         high = shifted - (shifted - x)
         return high, x - high
@@ -49,7 +50,7 @@ def outward_sum(low: Ends, high: Ends, model: ErrorModel) -> Ends:
     return outward(low, high, model)
 
 
-def widened(low: np.ndarray, high: np.ndarray, ulps: float, model: ErrorModel) -> Ends:
+def widened(low: Array, high: Array, ulps: float, model: ErrorModel) -> Ends:
     """Ends that float64 has rounded by up to a unit and that the arithmetic may miss by `ulps` units of float32."""
     relative = 2 * _ULP64 + ulps * 2.0**-23 * (1 + 2.0**-20)
     # An infinite end on the wrong side may be a finite number that float64 does not hold.
@@ -57,14 +58,14 @@ def widened(low: np.ndarray, high: np.ndarray, ulps: float, model: ErrorModel) -
     return outward(low - np.abs(low) * relative, high + np.abs(high) * relative, model)
 
 
-def outward(low: np.ndarray, high: np.ndarray, model: ErrorModel) -> Ends:
+def outward(low: Array, high: Array, model: ErrorModel) -> Ends:
     """Ends that the model's arithmetic holds: in float32 the neighbours below and above of what is none."""
     if model.float32:
         low, high = _down32(low), -_down32(-high)
     return _down_to_size(low, model.smallest), -_down_to_size(-high, model.smallest)
 
 
-def _down32(x: np.ndarray) -> np.ndarray:
+def _down32(x: Array) -> Array:
     """The largest float32 up to `x`."""
     bits = np.array(x).view(np.int64)
     # Towards 0 a number loses its last digits; a negative one is first made larger by all but one of their last.
@@ -79,7 +80,7 @@ def _down32(x: np.ndarray) -> np.ndarray:
     return rounded
 
 
-def _down_to_size(x: np.ndarray, smallest: float) -> np.ndarray:
+def _down_to_size(x: Array, smallest: float) -> Array:
     """At most `x`, and not smaller than that but 0: such numbers may be flushed to 0, too."""
     small = np.abs(x) < smallest
     return np.where(small, np.where(x < 0, -smallest, 0), x) if small.any() else x

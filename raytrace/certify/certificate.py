@@ -1,0 +1,227 @@
+"""A certificate: what the values of a scene's image can be."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from raytrace.certify.bounds import REASONS, Bounds, image_bounds
+from raytrace.errors import InputError, did_you_mean
+from raytrace.image import read_metadata, read_planes, write_planes
+from raytrace.intervals import GLSL_HIGHP, REAL
+from raytrace.rendering import check_size
+from raytrace.scene import Scene, check_scene, load_scene, scene_hash, scene_toml
+from raytrace.scene.toml import scene_from_toml
+from raytrace.shader.pixel import Frame
+from raytrace.shader.sphere import INTERSECTIONS
+from raytrace.shader.tree import tree_map
+from raytrace.uniforms import program_of, uniforms_of
+
+__all__ = ["ASSUMPTIONS", "FORMULAS", "PRECISIONS", "Certificate", "certify", "read_certificate"]
+
+PRECISIONS = {model.name: model for model in (REAL, GLSL_HIGHP)}
+#: What may be asked of a GPU: either formula for the sphere, or the other, as long as it is the same at a pixel.
+FORMULAS = (*INTERSECTIONS, "either")
+
+#: What a certificate takes for granted, by precision.
+ASSUMPTIONS = {
+    "real": (
+        "NumPy's + - * / sqrt are correctly rounded and its exp2 and log2 err by at most 4 units in the last place",
+        "a quotient by zero is infinite",
+    ),
+    "glsl-highp": (
+        "operations err by what WGSL, Vulkan and GLSL ES 3.00 promise of 32 bit floats; GLSL ES 3.00 promises less of "
+        "sqrt, inversesqrt and pow, which are held to WGSL's",
+        "expressions are evaluated in source order, fused multiply-add allowed; WGSL allows any order, without a bound",
+        "intermediate results are finite, but for a quotient by zero, which is infinite",
+        "a texture coordinate is interpolated to within 2**-23",
+        "division by a power of two is exact",
+    ),
+}
+_LAYERS = ("display", "linear")
+_ENDS = ("low", "high")
+_LARGEST = float(np.finfo(np.float32).max)
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Bounds of the display and linear values of a scene's image.
+
+    precision: "real": those of the real number that the assignment's program stands for; "glsl-highp": those of what a
+        conforming GPU may print.
+    intersection: the formula for the sphere, "textbook" or "robust", or "either". Real numbers do not depend on it.
+    """
+
+    scene: Scene
+    precision: str
+    intersection: str
+    bounds: Bounds
+
+    @property
+    def size(self) -> tuple[int, int]:
+        height, width = self.bounds.reason.shape
+        return width, height
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        return ASSUMPTIONS[self.precision]
+
+    @cached_property
+    def width(self) -> np.ndarray:
+        """(height, width): how far a pixel's display bounds are apart, the widest of its channels."""
+        low, high = self.bounds.display
+        return (high - low).max(axis=-1)
+
+    @cached_property
+    def levels(self) -> tuple[np.ndarray, np.ndarray]:
+        """(height, width, 3) integers: the 8 bit values of the lower and of the upper bounds."""
+        low, high = self.bounds.display
+        # The product is rounded; a bound at a half between two values must not be on the wrong side of it.
+        low, high = 255 * low - 1e-12, 255 * high + 1e-12
+        return tuple(np.clip(np.floor(end + 0.5), 0, 255).astype(np.uint8) for end in (low, high))
+
+    @cached_property
+    def proven(self) -> np.ndarray:
+        """(height, width, 3): where there is but one 8 bit value."""
+        low, high = self.levels
+        return low == high
+
+    @cached_property
+    def reasons(self) -> dict[str, int]:
+        """How many pixels are not proven in 8 bits, by why."""
+        open_ = ~self.proven.all(axis=-1)
+        counts = {name: int((open_ & (self.bounds.reason == i)).sum()) for i, name in enumerate(REASONS) if i}
+        return counts | {"rounding to 8 bit": int((open_ & (self.bounds.reason == 0)).sum())}
+
+    def __str__(self) -> str:
+        width, height = self.size
+        formula = "" if self.precision == "real" else f", {self.intersection}"
+        pixels, undecided = width * height, int((self.bounds.reason > 0).sum())
+        lines = [
+            f"{width}x{height}, precision {self.precision}{formula}",
+            f"8 bit values proven  {self.proven.mean():.6%}",
+            f"pixels undecided     {undecided} ({undecided / pixels:.4%})",
+            f"bounds over 1/255    {(self.width > 1 / 255).sum()} ({(self.width > 1 / 255).mean():.4%} of pixels)",
+            f"median width         {np.median(self.width):.2g}",
+        ]
+        lines += [f"not proven           {n} pixels: {why}" for why, n in self.reasons.items() if n]
+        return "\n".join([*lines, *(f"assumed              {text}" for text in self.assumptions)])
+
+    def to_dict(self) -> dict[str, Any]:
+        """The summary as plain types, for JSON."""
+        return {
+            "scene_sha256": scene_hash(self.scene),
+            "size": list(self.size),
+            "precision": self.precision,
+            "intersection": self.intersection,
+            "proven": float(self.proven.mean()),
+            "undecided": int((self.bounds.reason > 0).sum()),
+            "over": int((self.width > 1 / 255).sum()),
+            "median_width": float(np.median(self.width)),
+            "not_proven": self.reasons,
+            "assumptions": list(self.assumptions),
+        }
+
+    def write(self, path: str | Path) -> None:
+        """Writes an OpenEXR file: layers ``display.low.R`` ... ``linear.high.B``, float32 outward, and ``reason``.
+
+        A linear value without a bound has float32's largest number for one. `reason` counts `REASONS`.
+
+        Raises:
+            InputError: the file is no .exr, or cannot be written.
+        """
+        planes = {}
+        for layer in _LAYERS:
+            for end, values, outward in zip(_ENDS, getattr(self.bounds, layer), (-np.inf, np.inf), strict=True):
+                rounded = _float32(values, outward)
+                planes |= {f"{layer}.{end}.{channel}": rounded[..., k] for k, channel in enumerate("RGB")}
+        planes["reason"] = self.bounds.reason.astype(np.float32)
+        metadata = {
+            "certificate": "1",
+            "scene": scene_toml(self.scene),
+            "scene_sha256": scene_hash(self.scene),
+            "precision": self.precision,
+            "intersection": self.intersection,
+            "assumptions": "; ".join(self.assumptions),
+            "reasons": ", ".join(f"{i} {name or 'decided'}" for i, name in enumerate(REASONS)),
+            "version": version("raytrace"),
+        }
+        write_planes(path, planes, metadata=metadata)
+
+
+def certify(
+    scene: Scene | str | Path,
+    size: tuple[int, int] = (480, 270),
+    *,
+    precision: str = "real",
+    intersection: str = "either",
+    done: Callable[[int], None] = lambda pixels: None,
+) -> Certificate:
+    """Bounds of every pixel of a scene's image, for one sample a pixel.
+
+    precision: see `Certificate`. intersection: for "glsl-highp", which formula for the sphere the program uses.
+    done: is told of pixels as they are done.
+
+    Raises:
+        InputError: an argument or a value of the scene is wrong.
+    """
+    check_size(size)
+    for what, found, allowed in (("precision", precision, PRECISIONS), ("intersection", intersection, FORMULAS)):
+        if found not in allowed:
+            raise InputError(f"{what}: unknown {found!r}; {did_you_mean(found, allowed, 'there is')}")
+    if isinstance(scene, Scene):
+        check_scene(scene)
+    else:
+        scene = load_scene(scene)
+    width, height = size
+    uniforms = tree_map(lambda x: np.asarray(x, np.float32).astype(np.float64), uniforms_of(scene, width / height))
+    # In real numbers both formulas are one, and this one's bounds are narrower.
+    formulas = ("robust",) if precision == "real" else _formulas(intersection)
+    bounds = None
+    for formula in formulas:
+        found = image_bounds(
+            uniforms,
+            program_of(scene, formula),
+            Frame(width, height),
+            PRECISIONS[precision],
+            lambda pixels: done(pixels / len(formulas)),
+        )
+        bounds = found if bounds is None else bounds.hull(found)
+    return Certificate(scene, precision, intersection, bounds)
+
+
+def _formulas(intersection: str) -> tuple[str, ...]:
+    return tuple(INTERSECTIONS) if intersection == "either" else (intersection,)
+
+
+def read_certificate(path: str | Path) -> Certificate:
+    """The certificate in a file that `Certificate.write` has written.
+
+    Raises:
+        InputError: there is no such file, or it is no certificate.
+    """
+    path = Path(path)
+    metadata, planes = read_metadata(path), read_planes(path)
+    if "certificate" not in metadata or "reason" not in planes:
+        raise InputError(f"{path}: is no certificate; 'raytrace certify' makes one")
+
+    def layer(name: str) -> tuple[np.ndarray, np.ndarray]:
+        ends = (np.stack([planes[f"{name}.{end}.{channel}"] for channel in "RGB"], axis=-1) for end in _ENDS)
+        return tuple(end.astype(np.float64) for end in ends)
+
+    scene = scene_from_toml(metadata["scene"], f"{path}: the scene in its metadata")
+    reason = planes["reason"].astype(np.uint8)
+    bounds = Bounds(layer("display"), layer("linear"), reason, np.where(reason > 0, 2, 1).astype(np.int32))
+    return Certificate(scene, metadata["precision"], metadata["intersection"], bounds)
+
+
+def _float32(values: np.ndarray, outward: float) -> np.ndarray:
+    """The float32 next to each value on the side of `outward`, -inf or inf."""
+    with np.errstate(over="ignore"):
+        nearest = np.clip(values, -_LARGEST, _LARGEST).astype(np.float32)
+    inside = nearest > values if outward < 0 else nearest < values
+    return np.clip(np.where(inside, np.nextafter(nearest, np.float32(outward)), nearest), -_LARGEST, _LARGEST)

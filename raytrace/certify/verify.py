@@ -1,0 +1,132 @@
+"""Whether an image is one that a conforming program can print."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from raytrace.certify.certificate import Certificate
+from raytrace.compare.inputs import of_8_bits
+from raytrace.errors import InputError
+from raytrace.rendering import render
+
+__all__ = ["Cluster", "Verification", "verify"]
+
+#: Pixels outside that are this near to each other belong together.
+_NEAR = 8
+
+
+class Cluster(NamedTuple):
+    """Pixels outside that lie together: how many, from (x, y) to (x, y), how far outside at most, and at which step the
+    program seems to differ.
+    """
+
+    pixels: int
+    first: tuple[int, int]
+    last: tuple[int, int]
+    by: float
+    step: str
+
+    def __str__(self) -> str:
+        where = f"x {self.first[0]} to {self.last[0]}, y {self.first[1]} to {self.last[1]}"
+        return f"{self.pixels} pixels, {where}, by up to {self.by:.3g}: {self.step}"
+
+
+@dataclass(frozen=True)
+class Verification:
+    """An image beside a certificate.
+
+    by: (height, width): how far a pixel is outside its display bounds, the farthest of its channels; 0 inside.
+    of_8_bits: whether the image is of 8 bits; then half a unit of those is within the bounds.
+    """
+
+    certificate: Certificate
+    image: np.ndarray
+    by: np.ndarray
+    of_8_bits: bool
+
+    @property
+    def inside(self) -> bool:
+        """Whether every pixel is."""
+        return not (self.by > 0).any()
+
+    @cached_property
+    def clusters(self) -> list[Cluster]:
+        """The pixels outside, those that lie together together, the largest first."""
+        from scipy import ndimage
+
+        outside = self.by > 0
+        if not outside.any():
+            return []
+        grown = ndimage.binary_dilation(outside, iterations=_NEAR // 2)
+        labels, _ = ndimage.label(grown, structure=np.ones((3, 3)))
+        steps = self._steps()
+        found = []
+        for i, place in enumerate(ndimage.find_objects(labels), start=1):
+            mine = outside[place] & (labels[place] == i)
+            ys, xs = np.nonzero(mine)
+            y, x = ys + place[0].start, xs + place[1].start
+            names, counts = np.unique(steps[y, x], return_counts=True)
+            corner = (int(x.min()), int(y.min())), (int(x.max()), int(y.max()))
+            found.append(Cluster(len(y), *corner, float(self.by[y, x].max()), str(names[counts.argmax()])))
+        return sorted(found, key=lambda cluster: -cluster.pixels)
+
+    def _steps(self) -> np.ndarray:
+        """(height, width): a guess at the step that differs: what the pixel shows, or all of them where all do."""
+        steps = render(self.certificate.scene, self.certificate.size, backend="numpy", dtype="float64", output="steps")
+        index, spheres = steps["index"], len(self.certificate.scene.spheres.radius)
+        names = np.where(index < 0, "sky", np.where(index < spheres, "sphere", "ground")).astype(object)
+        names[(index >= 0) & (steps["shadow"] == 0) & (steps["NdL"] > 0)] = "shadow"
+        outside = self.by > 0
+        shown = {name: float(outside[names == name].mean()) for name in np.unique(names)}
+        if len(shown) > 1 and min(shown.values()) > 0.5:
+            names[:] = "film or camera"
+        return names
+
+    def marked(self) -> np.ndarray:
+        """The image (height, width, 3), grey and darker, with the pixels outside in red."""
+        grey = 0.6 * np.clip(self.image, 0, 1).mean(axis=-1, keepdims=True).repeat(3, axis=-1)
+        grey[self.by > 0] = (1.0, 0.1, 0.05)
+        return grey
+
+    def __str__(self) -> str:
+        pixels, outside = self.by.size, int((self.by > 0).sum())
+        if self.inside:
+            return f"inside at every pixel ({pixels}), precision {self.certificate.precision}"
+        lines = [f"outside at {outside} of {pixels} pixels, by up to {self.by.max():.3g}"]
+        lines += [f"  {cluster}" for cluster in self.clusters[:8]]
+        if len(self.clusters) > 8:
+            lines.append(f"  and {len(self.clusters) - 8} more places")
+        return "\n".join(lines)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain types, for JSON."""
+        return {
+            "inside": self.inside,
+            "outside": int((self.by > 0).sum()),
+            "by": float(self.by.max()),
+            "of_8_bits": self.of_8_bits,
+            "clusters": [cluster._asdict() for cluster in self.clusters],
+            "certificate": self.certificate.to_dict(),
+        }
+
+
+def verify(image: Any, certificate: Certificate) -> Verification:
+    """Whether every pixel of `image`, display values (height, width, 3), keeps the certificate's bounds.
+
+    An image of 8 bits has been rounded: half a unit of them is added. What is not a number is outside by infinity.
+
+    Raises:
+        InputError: the image is of another shape.
+    """
+    image = np.asarray(image, np.float64)
+    width, height = certificate.size
+    if image.shape != (height, width, 3):
+        raise InputError(f"image: must be of shape {(height, width, 3)}, as the certificate is, found {image.shape}")
+    low, high = certificate.bounds.display
+    coarse = of_8_bits(image) if np.isfinite(image).all() else False
+    # A file's k / 255 is rounded to float32 when it is read.
+    slack = 0.5 / 255 + 2.0**-24 if coarse else 0.0
+    by = np.maximum(low - slack - image, image - high - slack).max(axis=-1)
+    return Verification(certificate, image, np.where(np.isnan(by), np.inf, np.maximum(by, 0)), coarse)

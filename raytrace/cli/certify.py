@@ -1,0 +1,106 @@
+"""Commands on certified images: `certify` and `verify`."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from raytrace.cli.options import Changes, Scene, Shader, ShaderUniforms, Size, TimeLimit, progress, size_of
+from raytrace.errors import InputError
+from raytrace.scene.toml import DEFAULT_SCENE, load_scene
+
+__all__ = ["certify", "verify"]
+
+Precision = Annotated[
+    str, typer.Option(help="real: bounds of the exact values; glsl-highp: of what a conforming GPU may print.")
+]
+Formula = Annotated[str, typer.Option(help="With glsl-highp, the sphere's formula: textbook, robust, or either.")]
+
+
+def certify(
+    scene: Scene = DEFAULT_SCENE,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Also write the bounds, an .exr file.")] = None,
+    size: Size = "480x270",
+    precision: Precision = "real",
+    intersection: Formula = "either",
+    changes: Changes = [],  # noqa: B006 (typer's way)
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Lower and upper bounds of every pixel, and what of the image they prove."""
+    from raytrace.certify import certify as certified
+
+    if out and out.suffix.lower() != ".exr":
+        raise InputError(f"{out}: a certificate must be named *.exr")
+    width, height = shape = size_of(size)
+    with progress(width * height, "bounding") as advance:
+        found = certified(
+            load_scene(scene, changes), shape, precision=precision, intersection=intersection, done=advance
+        )
+    if out:
+        found.write(out)
+    print(json.dumps(found.to_dict(), indent=1) if as_json else found)
+
+
+def verify(
+    image: Annotated[str | None, typer.Argument(help="An image file, or backend:NAME[:DTYPE].")] = None,
+    scene: Annotated[str | None, typer.Option("--scene", help="A built-in scene's name or a TOML file.")] = None,
+    certificate: Annotated[Path | None, typer.Option(help="A file that certify has written, instead.")] = None,
+    shader: Shader = None,
+    uniforms: ShaderUniforms = [],  # noqa: B006
+    time_limit: TimeLimit = 60.0,
+    size: Size = "480x270",
+    precision: Precision = "glsl-highp",
+    intersection: Formula = "either",
+    linear: Annotated[bool, typer.Option("--linear", help="The file holds linear light.")] = False,
+    marked: Annotated[Path | None, typer.Option(help="Also write the image with the pixels outside in red.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Whether an image, or your shader's on Mesa, is one that a conforming program can print; exit code 1 if not."""
+    from raytrace.certify import certify as certified
+    from raytrace.certify import read_certificate
+    from raytrace.certify import verify as verified
+    from raytrace.glsl.matching import parse_uniforms
+    from raytrace.image import write_image
+
+    if (image is None) == (shader is None):
+        raise InputError("verify: give an image, or a shader with --shader")
+    if (scene is None) == (certificate is None):
+        raise InputError("verify: needs the image's scene (--scene), or a certificate (--certificate)")
+    bounds = None if certificate is None else read_certificate(certificate)
+    known = load_scene(scene) if bounds is None else bounds.scene
+    shape = size_of(size) if bounds is None else bounds.size
+    if shader is not None:
+        from raytrace.rendering import render
+
+        options = {"shader": shader, "uniforms": parse_uniforms(uniforms), "time_limit": time_limit}
+        values = np.asarray(render(known, shape, backend="opengl", **options))
+    else:
+        values = _values(image, known, shape, linear)
+    if bounds is None:
+        shape = values.shape[1::-1]
+        with progress(shape[0] * shape[1], "bounding") as advance:
+            bounds = certified(known, shape, precision=precision, intersection=intersection, done=advance)
+    found = verified(values, bounds)
+    if marked:
+        write_image(marked, found.marked())
+    print(json.dumps(found.to_dict(), indent=1) if as_json else found)
+    if not found.inside:
+        raise typer.Exit(1)
+
+
+def _values(image: str, scene: object, size: tuple[int, int], linear: bool) -> np.ndarray:
+    """The display values of a file or a backend."""
+    from raytrace.compare.film import developed, film_of
+    from raytrace.compare.inputs import rendering_of
+    from raytrace.image import file_format, read_image, read_metadata
+
+    if image.startswith("backend:"):
+        return np.asarray(rendering_of(image, scene, size).whole(), np.float64)
+    values = read_image(image)
+    if isinstance(values, dict):
+        return values["display"].astype(np.float64)
+    kind = read_metadata(image).get("output", file_format(Path(image)).output)
+    values = values.astype(np.float64)
+    return developed(values, *film_of(scene)) if linear or kind == "linear" else values
