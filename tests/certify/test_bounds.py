@@ -1,0 +1,108 @@
+"""Every engine's image, and the exact one, lies within the bounds."""
+
+import numpy as np
+import pytest
+
+import raytrace
+from raytrace.certify import certify, verify
+from raytrace.scene import scenes
+from tests.engines import need
+from tests.scenes import SEVERAL_SCENES
+
+SIZE = (96, 54)
+SMALL = (48, 27)
+ALL = pytest.mark.parametrize("name", list(scenes()))
+
+
+@ALL
+def test_real_numbers_are_bounded_and_decided(name):
+    """The bounds hold the image of longdouble, are narrow, and prove (nearly) all 8 bit values."""
+    certificate = certify(name, SIZE)
+    image = raytrace.render(name, SIZE, backend="numpy", dtype="longdouble", intersection="robust")
+    assert verify(image, certificate).inside
+    low, high = certificate.bounds.linear
+    linear = raytrace.render(name, SIZE, backend="numpy", dtype="longdouble", intersection="robust", output="linear")
+    assert ((low <= linear) & (linear <= high)).all()
+    if name == "tangent-rays":  # whose rays touch spheres exactly: no bound, however narrow, decides a touch
+        assert certificate.proven.mean() >= 0.99
+        assert (certificate.proven.all(axis=-1) | (certificate.bounds.reason > 0)).all()
+        return
+    assert certificate.proven.mean() >= 0.9999
+    assert np.median(certificate.width) < 1e-12
+    np.testing.assert_array_equal(certificate.levels[0], np.floor(image.astype(float) * 255 + 0.5))
+
+
+@SEVERAL_SCENES
+def test_the_exact_image_is_within(name):
+    pytest.importorskip("flint")
+    from raytrace.exact import Exact, precision
+    from raytrace.shader.pixel import Frame, pixels
+    from raytrace.shader.tree import tree_map
+    from raytrace.uniforms import program_of, uniforms_of
+
+    scene, (width, height) = raytrace.load_scene(name), (24, 13)
+    with precision(400):
+        given = tree_map(lambda x: Exact.of(np.asarray(x).astype(np.float32)), uniforms_of(scene, width / height))
+        row, column = (Exact.of(plane.astype(float)) for plane in np.indices((height, width)))
+        display = pixels(given, program_of(scene, "textbook"), column, row, Frame(width, height), ("display",)).display
+        for low, high, plane in zip(
+            *(np.moveaxis(end, -1, 0) for end in certify(scene, (width, height)).bounds.display), display, strict=True
+        ):
+            shape = (height, width)
+            exact = Exact(np.broadcast_to(plane.value, shape))
+            assert (exact >= Exact.of(low)).value.all()
+            assert (exact <= Exact.of(high)).value.all()
+
+
+@ALL
+@pytest.mark.slow
+def test_every_engine_is_within(name):
+    for engine in ("opengl", "webgl"):
+        need(engine)
+    size = SMALL if name == "two-hundred-spheres" else SIZE
+    certificate = certify(name, size, precision="glsl-highp")
+    for backend, dtype in (
+        ("numpy", "float32"),
+        ("numpy", "float64"),
+        ("jax", "float32"),
+        ("jax", "float64"),
+        ("opengl", "float32"),
+        ("webgl", "float32"),
+    ):
+        found = verify(np.asarray(raytrace.render(name, size, backend=backend, dtype=dtype)), certificate)
+        assert found.inside, f"{backend} {dtype}: {found}"
+
+
+def test_the_formulas_are_bounded_apart_and_together():
+    either, textbook, robust = (
+        certify("checkerboard", SIZE, precision="glsl-highp", intersection=formula)
+        for formula in ("either", "textbook", "robust")
+    )
+    for values in ("display", "linear"):
+        low, high = getattr(either.bounds, values)
+        for one in (textbook, robust):
+            assert (low <= getattr(one.bounds, values)[0]).all()
+            assert (high >= getattr(one.bounds, values)[1]).all()
+    assert (robust.width > 1 / 255).sum() < (textbook.width > 1 / 255).sum()
+
+
+def test_spheres_that_are_left_out_change_no_bound(monkeypatch):
+    from raytrace.intervals import paths
+
+    scene = "two-hundred-spheres"
+    culled = certify(scene, SMALL, precision="glsl-highp", intersection="textbook")
+    monkeypatch.setattr(paths, "candidates", lambda ro, rd, spheres: np.arange(spheres.radius.shape[0]))
+    full = certify(scene, SMALL, precision="glsl-highp", intersection="textbook")
+    for values in ("display", "linear"):
+        for a, b in zip(getattr(culled.bounds, values), getattr(full.bounds, values), strict=True):
+            np.testing.assert_array_equal(a, b)
+
+
+def test_an_undecided_edge_is_either_side_of_it():
+    """At a silhouette the bounds hold the sphere's colour and the sky's, and the reason is named."""
+    certificate = certify("sphere", (960, 540), precision="glsl-highp")
+    edge = certificate.bounds.reason == 1
+    assert certificate.reasons["silhouette"] == edge.sum()
+    if edge.any():
+        low, high = certificate.bounds.linear
+        assert (low[edge] < high[edge]).any()

@@ -1,0 +1,118 @@
+"""Certificates in files, and images beside them."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import raytrace
+from raytrace.certify import certify, read_certificate, verify
+from raytrace.errors import InputError
+
+SIZE = (96, 54)
+
+
+def command(*arguments):
+    return subprocess.run([sys.executable, "-m", "raytrace", *arguments], capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def certificate():
+    return certify("checkerboard", SIZE, precision="glsl-highp")
+
+
+@pytest.fixture(scope="module")
+def image():
+    return np.asarray(raytrace.render("checkerboard", SIZE, backend="numpy", dtype="float64"))
+
+
+def test_a_file_keeps_the_bounds_outward(tmp_path, certificate):
+    certificate.write(tmp_path / "c.exr")
+    again = read_certificate(tmp_path / "c.exr")
+    assert (again.size, again.precision, again.intersection) == (SIZE, "glsl-highp", "either")
+    for values in ("display", "linear"):
+        (low, high), (low_again, high_again) = getattr(certificate.bounds, values), getattr(again.bounds, values)
+        assert (low_again <= low).all()
+        assert (high_again >= high).all()
+        np.testing.assert_allclose(low_again, low, rtol=2e-7, atol=1e-37)
+    np.testing.assert_array_equal(again.bounds.reason, certificate.bounds.reason)
+
+
+def test_an_ordinary_image_is_no_certificate(tmp_path, image):
+    raytrace.write_image(tmp_path / "a.png", image)
+    with pytest.raises(InputError, match="is no certificate; 'raytrace certify' makes one"):
+        read_certificate(tmp_path / "a.png")
+
+
+def test_inside(certificate, image):
+    found = verify(image, certificate)
+    assert found.inside
+    assert str(found).startswith("inside at every pixel (5184)")
+    # Rounded to 8 bits too, by half a unit of them.
+    rounded = np.rint(image * 255) / 255
+    assert verify(rounded, certificate).inside
+    assert verify(rounded, certificate).of_8_bits
+
+
+def test_outside_by_how_much_and_where(certificate, image):
+    wrong = image.copy()
+    wrong[40:44, 10:20] += 0.25
+    wrong[5, 80] -= 0.125
+    found = verify(wrong, certificate)
+    assert not found.inside
+    assert [cluster.pixels for cluster in found.clusters] == [40, 1]
+    first, second = found.clusters
+    assert (first.first, first.last) == ((10, 40), (19, 43))
+    assert first.by == pytest.approx(0.25, abs=1e-4)
+    assert (second.first, second.step) == ((80, 5), "sky")
+    marked = found.marked()
+    assert (marked[40, 10] == [1.0, 0.1, 0.05]).all()
+    assert not (marked[0, 0] == [1.0, 0.1, 0.05]).all()
+
+
+def test_what_is_no_number_is_outside(certificate, image):
+    wrong = image.copy()
+    wrong[0, 0, 1] = np.nan
+    found = verify(wrong, certificate)
+    assert (found.by > 0).sum() == 1
+    assert found.by.max() == np.inf
+
+
+def test_another_size_is_told(certificate):
+    with pytest.raises(InputError, match=r"must be of shape \(54, 96, 3\), as the certificate is, found \(2, 2, 3\)"):
+        verify(np.zeros((2, 2, 3)), certificate)
+
+
+def test_the_commands(tmp_path):
+    out, picture, marked = (str(tmp_path / name) for name in ("c.exr", "p.png", "m.png"))
+    made = command("certify", "shadows", "--size", "96x54", "--precision", "glsl-highp", "-o", out, "--json")
+    assert made.returncode == 0, made.stderr
+    assert json.loads(made.stdout)["precision"] == "glsl-highp"
+    command("render", "shadows", "--backend", "numpy", "--size", "96x54", "-o", picture)
+    assert command("verify", picture, "--certificate", out).returncode == 0
+    # The ground of another scene.
+    other = command("verify", "backend:numpy", "--scene", "checkerboard", "--size", "96x54", "--json")
+    assert json.loads(other.stdout)["inside"]
+    command("render", "checkerboard", "--backend", "numpy", "--size", "96x54", "-o", picture)
+    wrong = command("verify", picture, "--certificate", out, "--marked", marked)
+    assert wrong.returncode == 1
+    assert wrong.stdout.startswith("outside at ")
+    assert raytrace.read_image(marked).shape == (54, 96, 3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (("certify", "--precision", "reel"), "raytrace: precision: unknown 'reel'; did you mean 'real'? there is: "),
+        (("certify", "-o", "c.png"), "raytrace: c.png: a certificate must be named *.exr"),
+        (("verify", "a.png"), "raytrace: verify: needs the image's scene (--scene), or a certificate"),
+        (("verify", "--scene", "sphere"), "raytrace: verify: give an image, or a shader with --shader"),
+    ],
+)
+def test_bad_input_is_one_line(arguments, line):
+    done = command(*arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(line)
+    assert done.stderr.count("\n") == 1
