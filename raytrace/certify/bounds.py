@@ -62,8 +62,7 @@ def image_bounds(
     done: Callable[[int], None] = lambda pixels: None,
 ) -> Bounds:
     """The bounds for uniforms (NumPy, float32 in value) of an image with one sample a pixel; `done` counts pixels."""
-    if not model.float32:
-        uniforms = uniforms._replace(spheres=_without_coincident(uniforms.spheres))
+    uniforms = uniforms._replace(spheres=_without_coincident(uniforms.spheres))
     shape = (frame.height, frame.width)
     images = {name: tuple(np.empty((*shape, 3)) for _ in range(2)) for name in ("display", "linear")}
     bounds = Bounds(images["display"], images["linear"], np.zeros(shape, np.uint8), np.ones(shape, np.int32))
@@ -84,7 +83,7 @@ def image_bounds(
 
 
 def _without_coincident(spheres: Sphere | None) -> Sphere | None:
-    """Of equal spheres the last alone: the others are met at the same t, in real numbers, and the last one wins."""
+    """Of equal spheres the last alone: the others are met at the same t, and the last one wins."""
     if spheres is None:
         return None
     places = np.stack([*spheres.center, spheres.radius], axis=-1)[::-1]

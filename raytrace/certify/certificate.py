@@ -40,6 +40,7 @@ ASSUMPTIONS = {
         "intermediate results are finite, but for a quotient by zero, which is infinite",
         "a texture coordinate is interpolated to within 2**-23",
         "division by a power of two is exact",
+        "the same operations on the same numbers give the same result: coincident spheres are met at the same t",
     ),
 }
 _LAYERS = ("display", "linear")
