@@ -1,5 +1,6 @@
 """raytrace: the vectorized reference implementation of a real-time graphics course's ray tracer."""
 
+from raytrace.certify import Certificate, Verification, certify, read_certificate, verify
 from raytrace.compare import Comparison, compare
 from raytrace.errors import EngineFailure, InputError
 from raytrace.image import read_image, write_image
@@ -25,6 +26,7 @@ from raytrace.scene import (
 )
 
 __all__ = [
+    "Certificate",
     "Checkerboard",
     "Comparison",
     "EngineFailure",
@@ -39,14 +41,18 @@ __all__ = [
     "Sky",
     "Spheres",
     "Sun",
+    "Verification",
+    "certify",
     "check_scene",
     "compare",
     "load_scene",
+    "read_certificate",
     "read_image",
     "render",
     "save_scene",
     "scenes",
     "sun_angles",
     "sun_direction",
+    "verify",
     "write_image",
 ]

@@ -22,11 +22,14 @@ def golden(
         str | None, typer.Option("--scenes", help="Names or TOML files, separated by commas; default: all built in.")
     ] = None,
     size: Size = "480x270",
+    certified: Annotated[
+        bool, typer.Option("--certify/--no-certify", help="Also bounds: of the exact image, and of a conforming GPU's.")
+    ] = True,
 ) -> None:
-    """Write golden images of scenes to a folder, all from NumPy float64."""
+    """Write golden images of scenes to a folder, all from NumPy float64, and what they prove."""
     found = golden_scenes(None if chosen is None else [name for name in chosen.split(",") if name])
     with progress(len(found), "golden images") as advance:
-        for _ in write_goldens(folder, found, size_of(size)):
+        for _ in write_goldens(folder, found, size_of(size), certified=certified):
             advance(1)
     print(f"{folder}: golden images of {len(found)} scenes, {size}")
 

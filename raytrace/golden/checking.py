@@ -1,15 +1,16 @@
 """Golden images against those of another renderer."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from raytrace.certify import Verification, read_certificate, verify
 from raytrace.compare import Comparison, failures
 from raytrace.errors import EngineFailure, InputError
 from raytrace.golden.golden import BOUNDS, Golden
 from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest
-from raytrace.golden.writing import DISPLAY
+from raytrace.golden.writing import ACCEPTANCE, DISPLAY
 from raytrace.image.formats import FORMATS
 from raytrace.rendering import Rendering
 from raytrace.scene import scene_hash
@@ -26,11 +27,13 @@ class Checked:
     """What came of one golden image: `failed` says what is wrong, and is empty where it passed.
 
     comparison: ``None`` where there is nothing to compare.
+    verification: the image beside the bounds of what a conforming program may print, where there are any.
     """
 
     name: str
     failed: tuple[str, ...]
     comparison: Comparison | None = None
+    verification: Verification | None = None
 
     def __str__(self) -> str:
         head = f"{'FAIL' if self.failed else 'ok':4}  {self.name:24}"
@@ -39,6 +42,9 @@ class Checked:
             return f"{head}  {'; '.join(self.failed)}"
         similarity = "undefined" if c.ssim is None else f"{c.ssim.mean:.6f}"
         line = f"{head}  SSIM {similarity}, {c.over} of {c.size[0] * c.size[1]} pixels over 1/255"
+        if self.verification is not None:
+            outside = int((self.verification.by > 0).sum())
+            line += f", {outside} outside the bounds" if outside else ", inside the bounds"
         if not self.failed:
             return line
         return f"{line}: {c.diagnosis or '; '.join(self.failed)}"
@@ -46,7 +52,8 @@ class Checked:
     def to_dict(self) -> dict[str, Any]:
         """As plain types, for JSON."""
         compared = None if self.comparison is None else self.comparison.to_dict()
-        return {"name": self.name, "failed": list(self.failed), "comparison": compared}
+        verified = None if self.verification is None else self.verification.to_dict()
+        return {"name": self.name, "failed": list(self.failed), "comparison": compared, "verification": verified}
 
 
 @dataclass(frozen=True)
@@ -55,18 +62,22 @@ class GoldenFolder:
 
     broken: by a scene's name what is wrong with its files.
     extra: files that belong to no golden image.
+    certified: by a scene's name the file of the bounds of what a conforming program may print.
     """
 
     goldens: tuple[Golden, ...]
     broken: Mapping[str, tuple[str, ...]]
     extra: tuple[str, ...]
+    certified: Mapping[str, Path] = field(default_factory=dict)
 
     def check(self, source: Source, bounds: Mapping[str, float] | None = None) -> Iterator[Checked]:
-        """Compares the image that `source` gives for each golden one, by `BOUNDS` and what `bounds` changes of them.
+        """Compares the image that `source` gives for each golden one.
 
+        Where the folder has certified bounds every pixel must keep these, and the image what `bounds` asks for; where
+        it has none, `BOUNDS` and what `bounds` changes of them.
         What is broken or missing fails by name, and the others are still compared.
         """
-        bounds = BOUNDS | dict(bounds or {})
+        asked = dict(bounds or {})
         for golden in self.goldens:
             wrong = self.broken.get(golden.name, ())
             if wrong:
@@ -78,7 +89,14 @@ class GoldenFolder:
             except (InputError, EngineFailure) as error:
                 yield Checked(golden.name, (str(error),))
                 continue
-            yield Checked(golden.name, tuple(failures(comparison, bounds)), comparison)
+            yield self._checked(golden.name, comparison, asked)
+
+    def _checked(self, name: str, comparison: Comparison, asked: Mapping[str, float]) -> Checked:
+        if name not in self.certified:
+            return Checked(name, tuple(failures(comparison, BOUNDS | asked)), comparison)
+        verification = verify(comparison.images[1], read_certificate(self.certified[name]))
+        outside = () if verification.inside else tuple(str(verification).splitlines()[:2])
+        return Checked(name, (*outside, *failures(comparison, asked)), comparison, verification)
 
 
 def golden_folder(folder: str | Path) -> GoldenFolder:
@@ -100,7 +118,12 @@ def golden_folder(folder: str | Path) -> GoldenFolder:
             broken[name] = tuple(wrong)
     ours = {MANIFEST, *(file for entry in manifest.scenes.values() for file in entry.files)}
     extra = sorted(path.name for path in folder.iterdir() if path.name not in ours)
-    return GoldenFolder(tuple(goldens), broken, tuple(extra))
+    certified = {
+        name: folder / f"{name}{ACCEPTANCE}"
+        for name, entry in manifest.scenes.items()
+        if f"{name}{ACCEPTANCE}" in entry.files
+    }
+    return GoldenFolder(tuple(goldens), broken, tuple(extra), certified)
 
 
 def backend_source(backend: str, **options: Any) -> Source:

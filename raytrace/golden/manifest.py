@@ -19,12 +19,16 @@ class _Model(BaseModel):
 
 
 class Entry(_Model):
-    """One scene: what it is there for, its TOML, that text's SHA-256, and the SHA-256 of each of its files."""
+    """One scene: what it is there for, its TOML, that text's SHA-256, and the SHA-256 of each of its files.
+
+    proven: the share of the PNG's values that are proven; ``None`` without a certificate.
+    """
 
     about: str
     toml: str
     sha256: str
     files: dict[str, str]
+    proven: float | None = None
 
 
 class Manifest(_Model):

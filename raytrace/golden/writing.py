@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from raytrace.certify import certify
 from raytrace.errors import InputError
 from raytrace.files import reason
 from raytrace.golden.golden import SIZE, rendered
@@ -20,18 +21,24 @@ from raytrace.rendering import Rendering
 from raytrace.report import uniforms_report
 from raytrace.scene import Scene, scene_hash, scene_toml, scenes
 
-__all__ = ["DISPLAY", "write_goldens"]
+__all__ = ["ACCEPTANCE", "CERTIFICATE", "DISPLAY", "write_goldens"]
 
 #: The ending of the file with the display values in full precision.
 DISPLAY = ".display.exr"
+#: Those of the certificates: of the real numbers, and of what a conforming GPU may print.
+CERTIFICATE, ACCEPTANCE = ".certificate.exr", ".bounds.exr"
 
 
-def write_goldens(folder: str | Path, chosen: Mapping[str, Scene], size: tuple[int, int] = SIZE) -> Iterator[str]:
+def write_goldens(
+    folder: str | Path, chosen: Mapping[str, Scene], size: tuple[int, int] = SIZE, *, certified: bool = True
+) -> Iterator[str]:
     """Writes the golden images of `chosen`; gives the name of each scene when its files are written.
 
     For a scene NAME: NAME.linear.exr and NAME.display.exr (float32), NAME.steps.exr (a layer for each step),
-    NAME.png (8 bit) and NAME.uniforms.json, all from NumPy float64; and one manifest.json. The same scenes and
-    versions give the same bytes. The folder appears when all is written; one of golden images is replaced.
+    NAME.png (8 bit) and NAME.uniforms.json, all from NumPy float64; and one manifest.json. `certified`: also
+    NAME.certificate.exr, the bounds of the real numbers, which prove the PNG, and NAME.bounds.exr, those of what a
+    conforming GPU may print (`raytrace.certify`). The same scenes and versions give the same bytes. The folder appears
+    when all is written; one of golden images is replaced.
 
     Raises:
         InputError: the folder holds other files, or cannot be written.
@@ -39,9 +46,14 @@ def write_goldens(folder: str | Path, chosen: Mapping[str, Scene], size: tuple[i
     with _whole_folder(Path(folder)) as temporary:
         entries = {}
         for name, scene in chosen.items():
-            files = _write_scene(temporary, name, scene, size)
+            steps = _write_scene(temporary, name, scene, size)
+            proven = _write_certificates(temporary, name, scene, steps["display"]) if certified else None
             entries[name] = Entry(
-                about=scenes().get(name, ""), toml=scene_toml(scene), sha256=scene_hash(scene), files=files
+                about=scenes().get(name, ""),
+                toml=scene_toml(scene),
+                sha256=scene_hash(scene),
+                files={path.name: file_hash(path) for path in sorted(temporary.glob(f"{name}.*"))},
+                proven=proven,
             )
             yield name
         versions = {"raytrace": version("raytrace"), "numpy": np.__version__}
@@ -49,8 +61,8 @@ def write_goldens(folder: str | Path, chosen: Mapping[str, Scene], size: tuple[i
         (temporary / MANIFEST).write_text(manifest.model_dump_json(indent=1) + "\n", encoding="utf-8")
 
 
-def _write_scene(folder: Path, name: str, scene: Scene, size: tuple[int, int]) -> dict[str, str]:
-    """The files' names and hashes."""
+def _write_scene(folder: Path, name: str, scene: Scene, size: tuple[int, int]) -> Mapping[str, np.ndarray]:
+    """Writes the images of a scene; gives the steps that they are of."""
     steps = rendered(scene, size)
     rendering = Rendering(scene, size, backend="numpy", dtype="float64")
     metadata = rendering.metadata()
@@ -59,7 +71,16 @@ def _write_scene(folder: Path, name: str, scene: Scene, size: tuple[int, int]) -
     write_image(folder / f"{name}.steps.exr", dict(steps), metadata=metadata | {"output": "steps"})
     report = json.dumps(uniforms_report(scene, size), indent=1)
     (folder / f"{name}.uniforms.json").write_text(report + "\n", encoding="utf-8")
-    return {path.name: file_hash(path) for path in sorted(folder.glob(f"{name}.*"))}
+    return steps
+
+
+def _write_certificates(folder: Path, name: str, scene: Scene, display: np.ndarray) -> float:
+    """Writes both certificates; gives the share of the PNG's values that are proven to be the real numbers' own."""
+    size = display.shape[1::-1]
+    exact = certify(scene, size)
+    exact.write(folder / f"{name}{CERTIFICATE}")
+    certify(scene, size, precision="glsl-highp").write(folder / f"{name}{ACCEPTANCE}")
+    return float(np.mean(exact.proven & (exact.levels[0] == np.rint(255 * display))))
 
 
 @contextmanager

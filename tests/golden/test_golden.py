@@ -24,8 +24,9 @@ SIZE = (96, 54)
 SCENES = ("checkerboard", "skybox")
 
 
-def made(folder="G", names=SCENES, size=SIZE):
-    assert list(write_goldens(folder, golden_scenes(names), size)) == [Path(name).stem for name in names]
+def made(folder="G", names=SCENES, size=SIZE, certified=False):
+    written = write_goldens(folder, golden_scenes(names), size, certified=certified)
+    assert list(written) == [Path(name).stem for name in names]
     return Path(folder)
 
 
@@ -52,6 +53,28 @@ def test_what_is_written():
     assert manifest["size"] == [*SIZE]
     assert manifest["versions"].keys() == {"raytrace", "numpy"}
     assert manifest["scenes"]["skybox"]["about"].startswith("Figure 2")
+
+
+def test_certificates_prove_the_images_and_bound_others():
+    folder = made(certified=True)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert {f"checkerboard.{kind}.exr" for kind in ("certificate", "bounds")} < set(
+        manifest["scenes"]["checkerboard"]["files"]
+    )
+    assert all(entry["proven"] > 0.9999 for entry in manifest["scenes"].values())
+    found = results(backend_source("numpy", dtype="float32"))
+    assert all(result.verification.inside and not result.failed for result in found.values())
+    assert "inside the bounds" in str(found["skybox"])
+    # A mistake that SSIM's usual threshold passes: the sky's gradient.
+    from raytrace.export import EXPORTS
+
+    need("opengl")
+    for name in SCENES:
+        right = EXPORTS["glsl"](raytrace.load_scene(name), SIZE)
+        Path(f"{name}.frag").write_text(right.replace("1./4.", "0.26"))
+    wrong = results(backend_source("opengl", shader="skybox.frag"))["skybox"]
+    assert wrong.comparison.ssim.mean > 0.99
+    assert wrong.failed[0].startswith("outside at ")
 
 
 def contents(folder):
