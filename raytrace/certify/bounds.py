@@ -113,8 +113,9 @@ class _Program(NamedTuple):
 
     def _interpolated(self, x: Interval) -> Interval:
         """A varying: nobody promises how a rasterizer computes it; the model says how far off it may be."""
-        model = self.xp.model
-        return Interval(*outward(x.low - model.interpolation, x.high + model.interpolation, model), self.xp)
+        error = np.asarray(self.xp.model.interpolation)
+        x = x + Interval(-error, error, _REAL)
+        return Interval(*outward(x.low, x.high, self.xp.model), self.xp)
 
 
 class _Hulls(NamedTuple):

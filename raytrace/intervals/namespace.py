@@ -7,7 +7,7 @@ import numpy as np
 
 from raytrace.intervals.arrays import BOOL, INT, Condition, Interval, bounded
 from raytrace.intervals.errors import LIBM, ULP32, ULP64, ErrorModel
-from raytrace.intervals.rounding import widened
+from raytrace.intervals.rounding import outward, widened
 from raytrace.shader.running import engine
 
 __all__ = ["Namespace"]
@@ -40,8 +40,9 @@ class Namespace:
         return Interval(value, value, self)
 
     def given(self, numbers: Any) -> Interval:
-        """The numbers that the program is given, float32 or float64, as they are."""
-        return self.asarray(np.asarray(numbers), Interval)
+        """The numbers that the program is given: as they are, or 0 where it may take them for that."""
+        numbers = np.asarray(numbers, np.float64)
+        return Interval(*outward(numbers, numbers, self.model), self)
 
     def rational(self, value: Fraction) -> Interval:
         """A literal: the number itself in real arithmetic; in float32 what a compiler may make of its text."""

@@ -197,3 +197,14 @@ def test_literals_are_their_neighbours_in_float32():
     assert half.low == half.high == 0.5
     quotient = literal("5/11").like(one)
     assert quotient.low < np.float32(1 / np.float32(2.2)) < quotient.high
+
+
+def test_subnormal_numbers_may_be_zero():
+    xp = Namespace(GLSL_HIGHP)
+    given = xp.given(np.array([1e-40, -1e-40, 0.0, 1.0]))
+    np.testing.assert_array_equal(given.low <= 0, [True, True, True, False])
+    np.testing.assert_array_equal(given.high >= 0, [True, True, True, True])
+    np.testing.assert_array_equal(given.high >= [1e-40, -1e-40, 0, 1], True)
+    np.testing.assert_array_equal(given.low <= [1e-40, -1e-40, 0, 1], True)
+    small = xp.given(np.array([2.0**-100])) * xp.given(np.array([2.0**-40]))
+    assert (small.low[0], small.high[0]) == (0, 2.0**-126)
