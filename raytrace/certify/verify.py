@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from raytrace.certify.certificate import Certificate
-from raytrace.compare.inputs import of_8_bits
-from raytrace.errors import InputError
+from raytrace.compare.inputs import KINDS, of_8_bits
+from raytrace.errors import InputError, did_you_mean
 from raytrace.rendering import render
 
 __all__ = ["Cluster", "Verification", "verify"]
@@ -37,7 +37,7 @@ class Cluster(NamedTuple):
 class Verification:
     """An image beside a certificate.
 
-    by: (height, width): how far a pixel is outside its display bounds, the farthest of its channels; 0 inside.
+    by: (height, width): how far a pixel is outside its bounds, the farthest of its channels; 0 inside.
     of_8_bits: whether the image is of 8 bits; then half a unit of those is within the bounds.
     """
 
@@ -112,20 +112,23 @@ class Verification:
         }
 
 
-def verify(image: Any, certificate: Certificate) -> Verification:
-    """Whether every pixel of `image`, display values (height, width, 3), keeps the certificate's bounds.
+def verify(image: Any, certificate: Certificate, values: str = "display") -> Verification:
+    """Whether every pixel of `image`, (height, width, 3), keeps the certificate's bounds.
 
-    An image of 8 bits has been rounded: half a unit of them is added. What is not a number is outside by infinity.
+    values: "display" or "linear", what the image holds. A display image of 8 bits has been rounded: half a unit of them
+        is added. What is not a number is outside by infinity.
 
     Raises:
-        InputError: the image is of another shape.
+        InputError: the image is of another shape, or there are no such values.
     """
+    if values not in KINDS:
+        raise InputError(f"values: unknown {values!r}; {did_you_mean(values, KINDS, 'there is')}")
     image = np.asarray(image, np.float64)
     width, height = certificate.size
     if image.shape != (height, width, 3):
         raise InputError(f"image: must be of shape {(height, width, 3)}, as the certificate is, found {image.shape}")
-    low, high = certificate.bounds.display
-    coarse = of_8_bits(image) if np.isfinite(image).all() else False
+    low, high = getattr(certificate.bounds, values)
+    coarse = values == "display" and bool(np.isfinite(image).all()) and of_8_bits(image)
     # A file's k / 255 is rounded to float32 when it is read.
     slack = 0.5 / 255 + 2.0**-24 if coarse else 0.0
     by = np.maximum(low - slack - image, image - high - slack).max(axis=-1)

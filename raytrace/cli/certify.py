@@ -46,6 +46,7 @@ def certify(
 def verify(
     image: Annotated[str | None, typer.Argument(help="An image file, or backend:NAME[:DTYPE].")] = None,
     scene: Annotated[str | None, typer.Option("--scene", help="A built-in scene's name or a TOML file.")] = None,
+    changes: Changes = [],  # noqa: B006
     certificate: Annotated[Path | None, typer.Option(help="A file that certify has written, instead.")] = None,
     shader: Shader = None,
     uniforms: ShaderUniforms = [],  # noqa: B006
@@ -69,20 +70,22 @@ def verify(
     if (scene is None) == (certificate is None):
         raise InputError("verify: needs the image's scene (--scene), or a certificate (--certificate)")
     bounds = None if certificate is None else read_certificate(certificate)
-    known = load_scene(scene) if bounds is None else bounds.scene
+    if bounds is not None and changes:
+        raise InputError("--set: a certificate's scene is as it is")
+    known = load_scene(scene, changes) if bounds is None else bounds.scene
     shape = size_of(size) if bounds is None else bounds.size
     if shader is not None:
         from raytrace.rendering import render
 
         options = {"shader": shader, "uniforms": parse_uniforms(uniforms), "time_limit": time_limit}
-        values = np.asarray(render(known, shape, backend="opengl", **options))
+        values, kind = np.asarray(render(known, shape, backend="opengl", **options)), "display"
     else:
-        values = _values(image, known, shape, linear)
+        values, kind = _values(image, known, shape, linear)
     if bounds is None:
         shape = values.shape[1::-1]
         with progress(shape[0] * shape[1], "bounding") as advance:
             bounds = certified(known, shape, precision=precision, intersection=intersection, done=advance)
-    found = verified(values, bounds)
+    found = verified(values, bounds, kind)
     if marked:
         write_image(marked, found.marked())
     print(json.dumps(found.to_dict(), indent=1) if as_json else found)
@@ -90,17 +93,16 @@ def verify(
         raise typer.Exit(1)
 
 
-def _values(image: str, scene: object, size: tuple[int, int], linear: bool) -> np.ndarray:
-    """The display values of a file or a backend."""
-    from raytrace.compare.film import developed, film_of
-    from raytrace.compare.inputs import rendering_of
+def _values(image: str, scene: object, size: tuple[int, int], linear: bool) -> tuple[np.ndarray, str]:
+    """The values of a file or a backend, and whether they are display or linear ones."""
+    from raytrace.compare.inputs import KINDS, rendering_of
     from raytrace.image import file_format, read_image, read_metadata
 
     if image.startswith("backend:"):
-        return np.asarray(rendering_of(image, scene, size).whole(), np.float64)
+        return np.asarray(rendering_of(image, scene, size).whole()), "display"
     values = read_image(image)
     if isinstance(values, dict):
-        return values["display"].astype(np.float64)
-    kind = read_metadata(image).get("output", file_format(Path(image)).output)
-    values = values.astype(np.float64)
-    return developed(values, *film_of(scene)) if linear or kind == "linear" else values
+        return values["display"], "display"
+    told = read_metadata(image).get("output")
+    kind = told if told in KINDS else file_format(Path(image)).output
+    return values, "linear" if linear else kind

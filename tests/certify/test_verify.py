@@ -72,6 +72,24 @@ def test_outside_by_how_much_and_where(certificate, image):
     assert not (marked[0, 0] == [1.0, 0.1, 0.05]).all()
 
 
+def test_linear_light_has_bounds_of_its_own(tmp_path, certificate, image):
+    linear = np.asarray(raytrace.render("checkerboard", SIZE, backend="numpy", dtype="float32", output="linear"))
+    assert verify(linear, certificate, "linear").inside
+    assert not verify(linear, certificate).inside
+    assert not verify(image, certificate, "linear").inside
+    raytrace.write_image(tmp_path / "l.exr", linear, output="linear")
+    assert command("verify", str(tmp_path / "l.exr"), "--scene", "checkerboard").returncode == 0
+
+
+def test_an_srgb_framebuffer_is_another_film(tmp_path):
+    """What such a framebuffer stores of the tone-mapped light is the scene's with that transfer function."""
+    picture = str(tmp_path / "s.png")
+    srgb = ("--set", "film.transfer=srgb")
+    command("render", "shadows", "--size", "96x54", "--backend", "numpy", "-o", picture, *srgb)
+    assert command("verify", picture, "--scene", "shadows", *srgb).returncode == 0
+    assert command("verify", picture, "--scene", "shadows").returncode == 1
+
+
 def test_what_is_no_number_is_outside(certificate, image):
     wrong = image.copy()
     wrong[0, 0, 1] = np.nan
