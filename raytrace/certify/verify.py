@@ -74,10 +74,14 @@ class Verification:
 
     def _steps(self) -> np.ndarray:
         """(height, width): a guess at the step that differs: what the pixel shows, or all of them where all do."""
+        from scipy import ndimage
+
         steps = render(self.certificate.scene, self.certificate.size, backend="numpy", dtype="float64", output="steps")
         index, spheres = steps["index"], len(self.certificate.scene.spheres.radius)
         names = np.where(index < 0, "sky", np.where(index < spheres, "sphere", "ground")).astype(object)
-        names[(index >= 0) & (steps["shadow"] == 0) & (steps["NdL"] > 0)] = "shadow"
+        # In a shadow or beside one, a pixel has most likely the wrong one.
+        beside = ndimage.minimum_filter(np.where(index < 0, 1, steps["shadow"]), size=3) == 0
+        names[(index >= 0) & (steps["NdL"] > 0) & beside] = "shadow"
         outside = self.by > 0
         shown = {name: float(outside[names == name].mean()) for name in np.unique(names)}
         if len(shown) > 1 and min(shown.values()) > 0.5:
