@@ -107,7 +107,7 @@ def assert_is_an_image(image):
 
 
 @pytest.mark.slow
-@settings(max_examples=500)
+@settings(max_examples=300)
 @given(
     scene=extreme_scenes(),
     dtype=st.sampled_from(["float32", "float64"]),
@@ -121,7 +121,7 @@ def test_numpy_draws_any_scene(scene, dtype, intersection, shadow_start):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
-@settings(max_examples=750)
+@settings(max_examples=850)
 @given(scene=extreme_scenes(lighting=("shadow",), mappers=("aces",)))
 def test_jax_draws_any_scene(dtype, scene):
     # Values alone differ, so that one program draws them all.

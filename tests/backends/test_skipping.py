@@ -63,7 +63,7 @@ def test_shadow_rays_that_start_on_the_surface(name):
 
 
 @pytest.mark.slow
-@hypothesis.settings(max_examples=10)
+@hypothesis.settings(max_examples=7)
 @hypothesis.given(
     scene=scenes(),
     intersection=st.sampled_from(["robust", "textbook"]),

@@ -11,6 +11,7 @@ from tests.scenes import SEVERAL_SCENES
 
 SIZE = (96, 54)
 SMALL = (48, 27)
+A_FEW = ("checkerboard", "inside-a-sphere", "orthographic", "overlapping-spheres", "sun-in-the-picture")
 ALL = pytest.mark.parametrize("name", list(scenes()))
 
 
@@ -67,6 +68,8 @@ def test_every_engine_is_within(name):
         ("opengl", "float32"),
         ("webgl", "float32"),
     ):
+        if (backend, dtype) == ("jax", "float64") and name not in A_FEW:
+            continue  # a program to compile for each
         if backend in ("opengl", "webgl"):
             need(backend)
         found = verify(np.asarray(raytrace.render(name, size, backend=backend, dtype=dtype)), certificate)
