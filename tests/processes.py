@@ -4,7 +4,12 @@ import os
 import subprocess
 import sys
 
-__all__ = ["peak_memory"]
+__all__ = ["command", "peak_memory"]
+
+
+def command(*arguments: str) -> subprocess.CompletedProcess:
+    """The command `raytrace` with its output as text, however it ends."""
+    return subprocess.run([sys.executable, "-m", "raytrace", *arguments], capture_output=True, text=True)
 
 
 def peak_memory(*arguments: str) -> int:

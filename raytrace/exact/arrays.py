@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
+from raytrace.shader.namespace import Unlimited
+
 __all__ = ["BITS", "Exact", "Undecided", "precision"]
 
 #: Digits for sums of products of four float64 numbers of any size that a scene may have.
@@ -33,13 +35,8 @@ def precision(bits: int = BITS) -> Iterator[None]:
         ctx.prec = before
 
 
-class _Dtype(str):
-    """What an array's numbers are, by the standard's name or as "float-exact"."""
-
-    __slots__ = ()
-
-
-REAL, BOOL, INT = _Dtype("float-exact"), _Dtype("bool"), _Dtype("int32")
+#: What an array's numbers are.
+REAL, BOOL, INT = "float-exact", "bool", "int32"
 
 
 class Exact:
@@ -129,7 +126,7 @@ def _decided(compare: Any, opposite: Any) -> Any:
         if compare(a, b):
             return True
         # What is not a number is not smaller, nor larger, nor equal, as in IEEE 754.
-        if opposite(a, b) or _not_a_number(a) or _not_a_number(b):
+        if opposite(a, b) or a.is_nan() or b.is_nan():
             return False
         raise Undecided(f"{a} and {b} cannot be told apart with {ctx.prec} bits")
 
@@ -141,10 +138,6 @@ def _decided(compare: Any, opposite: Any) -> Any:
         return np.asarray(elementwise(a, b)).astype(bool)
 
     return compared
-
-
-def _not_a_number(x: Any) -> bool:
-    return x.is_nan()
 
 
 _number = np.frompyfunc(lambda x: arb(float(x)), 1, 1)
@@ -182,13 +175,6 @@ def _exp2(x: Any) -> Any:
     return arb(0) if not x.is_finite() and x < 0 else arb(2) ** x
 
 
-class _Limits:
-    """There is no smallest number."""
-
-    smallest_normal = 0
-    eps = 0
-
-
 def _elementwise(function: Any) -> Any:
     vectorized = np.frompyfunc(function, 1, 1)
     return staticmethod(lambda x: Exact(vectorized(x.value)))
@@ -204,8 +190,8 @@ class Namespace:
     log2 = _elementwise(_log2)
 
     @staticmethod
-    def finfo(dtype: Any) -> type[_Limits]:
-        return _Limits
+    def finfo(dtype: Any) -> type[Unlimited]:
+        return Unlimited
 
     @staticmethod
     def asarray(value: Any, dtype: Any) -> Exact:

@@ -19,11 +19,7 @@ from raytrace.shader.running import engine
 __all__ = ["BOOL", "INT", "Condition", "Interval", "bounded"]
 
 
-class _Dtype(str):
-    __slots__ = ()
-
-
-FLOAT, INT, BOOL = _Dtype("float-interval"), _Dtype("int32"), _Dtype("bool")
+FLOAT, INT, BOOL = "float-interval", "int32", "bool"
 
 
 class Interval:
@@ -153,26 +149,26 @@ class Interval:
         return other if other is NotImplemented else other / self
 
     def __lt__(self, other: Any) -> "Condition":
-        return self._compared(other, np.less, lambda a, b: a.low < b.high, lambda a, b: a.high >= b.low)
+        return self._compared(other, lambda a, b: a.low < b.high, lambda a, b: a.high >= b.low)
 
     def __le__(self, other: Any) -> "Condition":
-        return self._compared(other, np.less_equal, lambda a, b: a.low <= b.high, lambda a, b: a.high > b.low)
+        return self._compared(other, lambda a, b: a.low <= b.high, lambda a, b: a.high > b.low)
 
     def __gt__(self, other: Any) -> "Condition":
-        return self._compared(other, np.greater, lambda a, b: a.high > b.low, lambda a, b: a.low <= b.high)
+        return self._compared(other, lambda a, b: a.high > b.low, lambda a, b: a.low <= b.high)
 
     def __ge__(self, other: Any) -> "Condition":
-        return self._compared(other, np.greater_equal, lambda a, b: a.high >= b.low, lambda a, b: a.low < b.high)
+        return self._compared(other, lambda a, b: a.high >= b.low, lambda a, b: a.low < b.high)
 
     def __eq__(self, other: Any) -> "Condition":
-        return self._compared(other, np.equal, _overlap, lambda a, b: ~_same_points(a, b))
+        return self._compared(other, _overlap, lambda a, b: ~_same_points(a, b))
 
     def __ne__(self, other: Any) -> "Condition":
         return ~(self == other)
 
     __hash__ = None
 
-    def _compared(self, other: Any, _: Any, may_hold: Callable, may_fail: Callable) -> Any:
+    def _compared(self, other: Any, may_hold: Callable, may_fail: Callable) -> Any:
         other = self._other(other)
         if other is NotImplemented:
             return other

@@ -4,7 +4,7 @@ Bounds are float64 and computed with NumPy. What that rounds is always added, ou
 
 - NumPy's + - * / and sqrt are correctly rounded (IEEE 754);
 - its exp2 and log2 err by at most `LIBM` units in the last place (NumPy documents 4 for its vector versions;
-  tests/intervals/test_functions.py holds them to that against exact arithmetic).
+  tests/intervals/test_operations.py holds them to that against exact arithmetic).
 """
 
 from typing import NamedTuple
@@ -27,8 +27,8 @@ class ErrorModel(NamedTuple):
     exp2, exp2_slope: 2**x may err by `exp2` + `exp2_slope` * abs(x) such units.
     log2, log2_absolute: a logarithm by `log2` such units or, near 1, by that much.
     interpolation: by how much a texture coordinate, which the rasterizer interpolates, may err.
-    literals: a decimal in the program's text is either neighbour of its value; a quotient of two of them errs by so
-        many units.
+    quotient_literals: a decimal in the program's text is either neighbour of its value; a quotient of two of them errs
+        by so many units.
     powers_by_logarithm: x to the power 1/4 is exp2(log2(x) / 4), too, and not two square roots.
     """
 

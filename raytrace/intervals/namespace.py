@@ -8,16 +8,10 @@ import numpy as np
 from raytrace.intervals.arrays import BOOL, INT, Condition, Interval, bounded
 from raytrace.intervals.errors import LIBM, ULP32, ULP64, ErrorModel
 from raytrace.intervals.rounding import outward, widened
+from raytrace.shader.namespace import Unlimited
 from raytrace.shader.running import engine
 
 __all__ = ["Namespace"]
-
-
-class _Limits:
-    """No number is the smallest: what becomes of small ones is the error model's."""
-
-    smallest_normal = 0
-    eps = 0
 
 
 class Namespace:
@@ -29,8 +23,9 @@ class Namespace:
         self.model = model
         self.powers_by_logarithm = model.powers_by_logarithm
 
-    def finfo(self, dtype: Any) -> type[_Limits]:
-        return _Limits
+    def finfo(self, dtype: Any) -> type[Unlimited]:
+        """What becomes of small numbers is the error model's."""
+        return Unlimited
 
     def asarray(self, value: Any, dtype: Any) -> Any:
         if dtype == BOOL:
@@ -53,8 +48,6 @@ class Namespace:
             return Interval(*widened(nearest, nearest, 0.0, self.model), self)
         # A decimal's neighbours; what is no decimal stands as a quotient of two.
         denominator = value.denominator
-        while denominator % 10 == 0:
-            denominator //= 10
         for factor in (2, 5):
             while denominator % factor == 0:
                 denominator //= factor
@@ -86,10 +79,6 @@ class Namespace:
 
     def maximum(self, a: Interval, b: Interval) -> Interval:
         return Interval(np.maximum(a.low, b.low), np.maximum(a.high, b.high), self)
-
-    def abs(self, x: Interval) -> Interval:
-        low = np.maximum(np.maximum(x.low, -x.high), 0)
-        return Interval(low, np.maximum(-x.low, x.high), self)
 
     def floor(self, x: Interval) -> Interval:
         return Interval(np.floor(x.low), np.floor(x.high), self)

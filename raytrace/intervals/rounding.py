@@ -7,7 +7,7 @@ are exact.
 
 import numpy as np
 
-from raytrace.intervals.errors import ErrorModel
+from raytrace.intervals.errors import ULP32, ULP64, ErrorModel
 from raytrace.shader.types import Array
 
 __all__ = ["exact_product", "exact_sum", "outward", "outward_sum", "widened"]
@@ -15,7 +15,6 @@ __all__ = ["exact_product", "exact_sum", "outward", "outward_sum", "widened"]
 #: The digits of a float64 that a float32 does not have.
 _EXTRA = np.int64((1 << 29) - 1)
 _LARGEST32, _LARGEST64 = float(np.finfo(np.float32).max), float(np.finfo(np.float64).max)
-_ULP64 = 2.0**-52
 
 Ends = tuple[Array, Array]
 
@@ -45,14 +44,14 @@ def exact_product(a: Array, b: Array, product: Array) -> Array:
 def outward_sum(low: Ends, high: Ends, model: ErrorModel) -> Ends:
     """Ends of a sum from what `exact_sum` gives for the lower and for the upper ones. Exact sums stay exact."""
     (low, low_lacks), (high, high_lacks) = low, high
-    low = np.where(low_lacks < 0, low - np.abs(low) * _ULP64, low)
-    high = np.where(high_lacks > 0, high + np.abs(high) * _ULP64, high)
+    low = np.where(low_lacks < 0, low - np.abs(low) * ULP64, low)
+    high = np.where(high_lacks > 0, high + np.abs(high) * ULP64, high)
     return outward(low, high, model)
 
 
 def widened(low: Array, high: Array, ulps: float, model: ErrorModel) -> Ends:
     """Ends that float64 has rounded by up to a unit and that the arithmetic may miss by `ulps` units of float32."""
-    relative = 2 * _ULP64 + ulps * 2.0**-23 * (1 + 2.0**-20)
+    relative = 2 * ULP64 + ulps * ULP32 * (1 + 2.0**-20)
     # An infinite end on the wrong side may be a finite number that float64 does not hold.
     low, high = np.minimum(low, _LARGEST64), np.maximum(high, -_LARGEST64)
     return outward(low - np.abs(low) * relative, high + np.abs(high) * relative, model)

@@ -9,7 +9,13 @@ from typing import Any
 
 from raytrace.shader.types import Array
 
-__all__ = ["constant", "lift", "namespace"]
+__all__ = ["Unlimited", "constant", "lift", "namespace"]
+
+
+class Unlimited:
+    """What ``finfo`` gives for an arithmetic in which no number is the smallest."""
+
+    smallest_normal = 0
 
 
 def namespace(*operands: Any) -> Any:

@@ -32,6 +32,7 @@ class FunctionStress:
         self.random = np.random.default_rng(2)
         # Exact powers take their time, and so many say enough.
         self.cases = effort.cases // 8
+        self.normalizers = [(a.name, a.dtype, a.of(normalize)) for a in of_floats()]
 
     def gamma(self) -> Iterator[Point]:
         yield from self._of_a_number("gamma", lambda x: pow(x, GAMMA), -44, 0)
@@ -54,7 +55,7 @@ class FunctionStress:
 
     def normalization(self) -> Iterator[Point]:
         for length in self.effort.decades(-44, 38):
-            yield from self._vectors("normalization", length, lambda v: v, length)
+            yield from self._vectors("normalization", length, lambda v: v)
 
     def sun(self) -> Iterator[Point]:
         """The scene's direction of any length, on its way to the shader and within."""
@@ -65,7 +66,7 @@ class FunctionStress:
             return Vec3(*(np.array(component).astype(np.longdouble) for component in zip(*uniforms, strict=True)))
 
         for length in self.effort.decades(-20, 20):
-            yield from self._vectors("sun", length, given, length, cases=self.cases // 4)
+            yield from self._vectors("sun", length, given, cases=self.cases // 4)
 
     def _of_a_number(
         self,
@@ -91,27 +92,22 @@ class FunctionStress:
                             errors = ulps(run(args), exact, dtype)
                         yield Point(axis, x, f"{name} {formula}".rstrip(), args.size, None, **summary(errors))
 
-    def _vectors(self, axis: str, x: float, given: Callable, length: float, cases: int = 0) -> Iterator[Point]:
+    def _vectors(self, axis: str, length: float, given: Callable, cases: int = 0) -> Iterator[Point]:
         directions = self.random.normal(size=(cases or self.cases, 3)).astype(np.longdouble)
         directions *= np.longdouble(length) / np.sqrt((directions**2).sum(axis=1))[:, None]
         vectors = given(Vec3(*np.moveaxis(directions, -1, 0)))
         ideal = exactly(normalize, Vec3(*np.moveaxis(directions, -1, 0)))
-        for arithmetic in of_floats():
-            dtype = arithmetic.dtype
+        for name, dtype, run in self.normalizers:
             with np.errstate(all="ignore"):
                 rounded = Vec3(*(component.astype(dtype) for component in vectors))
             exact = exactly(normalize, rounded)
-            found = self._normalize(arithmetic)(rounded)
+            found = run(rounded)
             with precision():
-                if arithmetic.name.startswith("numpy"):
+                if name.startswith("numpy"):
                     moved = _at_one(Vec3(*(component.floats(np.longdouble) for component in exact)), ideal, dtype)
-                    yield Point(axis, x, f"{INPUT}, {dtype.__name__}", moved.size, None, **summary(moved))
+                    yield Point(axis, length, f"{INPUT}, {dtype.__name__}", moved.size, None, **summary(moved))
                 errors = _at_one(found, exact, dtype)
-            yield Point(axis, x, arithmetic.name, errors.size, None, **summary(errors))
-
-    def _normalize(self, arithmetic: Any) -> Callable:
-        known = self.__dict__.setdefault("_normalizers", {})
-        return known.setdefault(arithmetic.name, arithmetic.of(normalize))
+            yield Point(axis, length, name, errors.size, None, **summary(errors))
 
 
 def _at_one(found: Vec3, exact: Vec3, dtype: Any) -> np.ndarray:

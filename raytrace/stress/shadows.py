@@ -6,24 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.exact import Exact, precision
+from raytrace.exact import Exact, exact_steps
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 from raytrace.scene.toml import load_scene
-from raytrace.shader.control import Engine, count, running
+from raytrace.shader.control import Engine, count
 from raytrace.shader.light import SHADOW_STARTS
-from raytrace.shader.pixel import Frame, pixels
 from raytrace.shader.tree import tree_leaves, tree_map
 from raytrace.stress.effort import Effort
 from raytrace.stress.measure import Point
-from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["ShadowStress", "scaled"]
 
 #: What is asked for, of the steps of the shader.
 KEEP = ("index", "NdL", "shadow")
-#: Binary digits that tell the decisions apart.
-BITS = 400
 
 
 def scaled(scene: Scene, factor: float) -> Scene:
@@ -91,10 +87,5 @@ class ShadowStress:
 
     def _exactly(self, scale: float, start: str) -> dict[str, np.ndarray]:
         """The shader's own text, in real numbers."""
-        width, height = self.size
-        uniforms = uniforms_of(scaled(self.scene, scale), width / height)
-        with precision(BITS), running(_WithoutOneself()):
-            given = tree_map(lambda x: Exact.of(np.asarray(x).astype(np.float32)), uniforms)
-            row, column = (Exact.of(plane.astype(np.float64)) for plane in np.indices((height, width)))
-            steps = pixels(given, program_of(self.scene, "textbook", start), column, row, Frame(width, height), KEEP)
+        steps = exact_steps(scaled(self.scene, scale), self.size, KEEP, shadow_start=start, engine=_WithoutOneself())
         return {name: getattr(steps, name).floats() for name in KEEP}

@@ -1,6 +1,7 @@
 """Rays at a sphere that is far, small, grazed, or about the ray's origin."""
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -120,6 +121,7 @@ def _formulas() -> list[Contender]:
     return [contender(arithmetic, name) for arithmetic in of_floats() for name in INTERSECTIONS]
 
 
+@cache
 def peers() -> tuple[list[Contender], list[str]]:
     """The peers that are installed, and for each other a line that says what it needs."""
     found, missing = [], []

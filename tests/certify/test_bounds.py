@@ -36,16 +36,11 @@ def test_real_numbers_are_bounded_and_decided(name):
 @SEVERAL_SCENES
 def test_the_exact_image_is_within(name):
     pytest.importorskip("flint")
-    from raytrace.exact import Exact, precision
-    from raytrace.shader.pixel import Frame, pixels
-    from raytrace.shader.tree import tree_map
-    from raytrace.uniforms import program_of, uniforms_of
+    from raytrace.exact import Exact, exact_steps, precision
 
     scene, (width, height) = raytrace.load_scene(name), (24, 13)
+    display = exact_steps(scene, (width, height), ("display",)).display
     with precision(400):
-        given = tree_map(lambda x: Exact.of(np.asarray(x).astype(np.float32)), uniforms_of(scene, width / height))
-        row, column = (Exact.of(plane.astype(float)) for plane in np.indices((height, width)))
-        display = pixels(given, program_of(scene, "textbook"), column, row, Frame(width, height), ("display",)).display
         for low, high, plane in zip(
             *(np.moveaxis(end, -1, 0) for end in certify(scene, (width, height)).bounds.display), display, strict=True
         ):

@@ -1,8 +1,6 @@
 """Certificates in files, and images beside them."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -10,12 +8,9 @@ import pytest
 import raytrace
 from raytrace.certify import certify, read_certificate, verify
 from raytrace.errors import InputError
+from tests.processes import command
 
 SIZE = (96, 54)
-
-
-def command(*arguments):
-    return subprocess.run([sys.executable, "-m", "raytrace", *arguments], capture_output=True, text=True)
 
 
 @pytest.fixture(scope="module")

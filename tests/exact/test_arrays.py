@@ -11,11 +11,8 @@ import raytrace
 
 pytest.importorskip("flint")
 
-from raytrace.exact import Exact, Undecided, precision
+from raytrace.exact import Exact, Undecided, exact_steps, precision
 from raytrace.shader.main import COMPONENTS
-from raytrace.shader.pixel import Frame, pixels
-from raytrace.shader.tree import tree_map
-from raytrace.uniforms import program_of, uniforms_of
 from tests.scenes import SEVERAL_SCENES
 
 floats = st.floats(allow_nan=False, allow_infinity=False)
@@ -25,12 +22,7 @@ floats = st.floats(allow_nan=False, allow_infinity=False)
 def test_the_picture_is_that_of_longdouble(name):
     """The same decisions at every pixel, and numbers that differ by longdouble's own rounding."""
     scene, (width, height) = raytrace.load_scene(name), (24, 13)
-    uniforms = uniforms_of(scene, width / height)
-    with precision(400):
-        given = tree_map(lambda x: Exact.of(np.asarray(x).astype(np.float32)), uniforms)
-        row, column = (Exact.of(plane.astype(float)) for plane in np.indices((height, width)))
-        keep = tuple(COMPONENTS)
-        steps = pixels(given, program_of(scene, "textbook"), column, row, Frame(width, height), keep)
+    steps = exact_steps(scene, (width, height), tuple(COMPONENTS))
     expected = raytrace.render(
         scene, (width, height), backend="numpy", dtype="longdouble", output="steps", intersection="robust"
     )

@@ -1,8 +1,6 @@
 """The command `stress` and what it promises."""
 
 import json
-import subprocess
-import sys
 
 import pytest
 
@@ -11,14 +9,11 @@ pytest.importorskip("flint")
 from raytrace.stress import QUICK, stress, verdicts
 from raytrace.stress.measure import Point
 from raytrace.stress.spheres import COMPARED
-
-
-def command(*arguments):
-    return subprocess.run([sys.executable, "-m", "raytrace", "stress", *arguments], capture_output=True, text=True)
+from tests.processes import command
 
 
 def test_an_axis_in_json_and_as_a_figure(tmp_path):
-    done = command("checkerboard", "--json", "--plot", str(tmp_path))
+    done = command("stress", "checkerboard", "--json", "--plot", str(tmp_path))
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert {point["axis"] for point in told["points"]} == {"checkerboard"}
@@ -35,7 +30,7 @@ def test_an_axis_in_json_and_as_a_figure(tmp_path):
     ],
 )
 def test_bad_input_is_one_line(arguments, line):
-    done = command(*arguments)
+    done = command("stress", *arguments)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith(line)
     assert done.stderr.count("\n") == 1

@@ -1,0 +1,38 @@
+"""A scene's image in real numbers: the shader's own text, run exactly."""
+
+import numpy as np
+
+from raytrace.exact.arrays import Exact, precision
+from raytrace.scene import Scene
+from raytrace.shader.control import Engine, running
+from raytrace.shader.main import Steps
+from raytrace.shader.pixel import Frame, pixels
+from raytrace.shader.tree import tree_map
+from raytrace.uniforms import program_of, uniforms_of
+
+__all__ = ["exact_steps"]
+
+#: Binary digits that tell the decisions of a picture apart.
+BITS = 400
+
+
+def exact_steps(
+    scene: Scene,
+    size: tuple[int, int],
+    keep: tuple[str, ...],
+    *,
+    shadow_start: str = "offset",
+    engine: Engine | None = None,
+) -> Steps:
+    """The steps named in `keep`, of planes (height, width) or () of `Exact`; the scene's numbers rounded to float32.
+
+    engine: instead of the plain one.
+
+    Raises:
+        Undecided: a decision cannot be told with `BITS` digits, as where a ray touches a sphere.
+    """
+    width, height = size
+    with precision(BITS), running(engine or Engine()):
+        given = tree_map(lambda x: Exact.of(np.asarray(x).astype(np.float32)), uniforms_of(scene, width / height))
+        row, column = (Exact.of(plane.astype(np.float64)) for plane in np.indices((height, width)))
+        return pixels(given, program_of(scene, "textbook", shadow_start), column, row, Frame(width, height), keep)
