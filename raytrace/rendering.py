@@ -23,6 +23,9 @@ from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["Rendering", "check_size", "render"]
 
+#: Means over a pixel: of samples, or of what is on either side of its edges.
+ANTIALIAS = ("none", "edges")
+
 #: The steps that each output is made of.
 OUTPUTS = {"display": ("display",), "linear": ("linear",), "steps": tuple(COMPONENTS)}
 
@@ -50,6 +53,7 @@ class Rendering:
         output: str = "display",
         intersection: str | None = None,
         shadow_start: str = "offset",
+        antialias: str = "none",
         exact_inputs: bool = False,
         skip: bool = True,
         shader: str | Path | None = None,
@@ -59,6 +63,7 @@ class Rendering:
     ):
         _check(size, backend, dtype, samples, output, intersection)
         _choice("shadow_start", shadow_start, SHADOW_STARTS)
+        _check_antialias(antialias, backend, output)
         foreign = None
         if shader is not None:
             _check_shader(backend, samples, output, time_limit)
@@ -79,8 +84,9 @@ class Rendering:
             intersection = BACKENDS[backend].intersection or usual
         self.scene, self.backend, self.dtype, self.output = scene, backend, dtype, output
         self.intersection, self.shadow_start, self.exact_inputs = intersection, shadow_start, exact_inputs
+        self.antialias = antialias
         self.frame = Frame(*map(int, size), samples=int(samples))
-        program = program_of(scene, intersection, shadow_start)
+        program = program_of(scene, intersection, shadow_start, antialias)
         job = Job(program, self.frame, OUTPUTS[output], dtype, exact_inputs, skip, engine, foreign)
         self.renderer = renderer(backend, uniforms_of(scene, self.frame.width / self.frame.height), job)
 
@@ -129,6 +135,7 @@ class Rendering:
             "dtype": self.dtype,
             "intersection": self.intersection,
             "shadow_start": self.shadow_start,
+            "antialias": self.antialias,
             "samples": str(self.frame.samples),
             "exact_inputs": str(self.exact_inputs).lower(),
             "version": version("raytrace"),
@@ -149,6 +156,7 @@ def render(
     output: str = "display",
     intersection: str | None = None,
     shadow_start: str = "offset",
+    antialias: str = "none",
     exact_inputs: bool = False,
     skip: bool = True,
     shader: str | Path | None = None,
@@ -169,6 +177,9 @@ def render(
         and textbook in GLSL.
     shadow_start: "offset", the assignment's 1e-3 along the normal; or, with JAX and NumPy, "surface": shadow rays start
         on the surface, which is left out of what blocks them. So shadows do not depend on the scene's unit of length.
+    antialias: "edges" for the mean over each pixel's square: silhouettes, edges of shadows, of patterns and of horizons
+        are exact where they are straight, and the image has the derivatives of edges that move. With JAX and NumPy;
+        with `samples` each sample is such a square.
     exact_inputs: carry the scene's numbers in `dtype` as they are, instead of rounding each once to float32, which
         is what a GPU is given.
     skip: with JAX and NumPy, leave out what a part of the image does not need: branches that no pixel takes, spheres
@@ -195,6 +206,7 @@ def render(
         output=output,
         intersection=intersection,
         shadow_start=shadow_start,
+        antialias=antialias,
         exact_inputs=exact_inputs,
         skip=skip,
         shader=shader,
@@ -225,6 +237,16 @@ def _check(size: Any, backend: str, dtype: str, samples: int, output: str, inter
         raise InputError(f"samples: must be a whole number from 1 to {MOST_SAMPLES}, found {samples!r}")
     if samples > 1 and output == "steps":
         raise InputError(f"samples: output 'steps' is of one sample a pixel, found {samples}")
+
+
+def _check_antialias(antialias: str, backend: str, output: str) -> None:
+    _choice("antialias", antialias, ANTIALIAS)
+    if antialias == "none":
+        return
+    if backend not in ("jax", "numpy"):
+        raise InputError(f"antialias: backend {backend} has none; jax and numpy have")
+    if output == "steps":
+        raise InputError("antialias: output 'steps' is of one point of each pixel, which has no edges")
 
 
 def _check_shader(backend: str, samples: int, output: str, time_limit: float) -> None:

@@ -24,7 +24,9 @@ from raytrace.white_balance import adaptation_matrix
 __all__ = ["program_of", "uniforms_of"]
 
 
-def program_of(scene: Scene, intersection: str, shadow_start: str = "offset") -> shader.Program:
+def program_of(
+    scene: Scene, intersection: str, shadow_start: str = "offset", antialias: str = "none"
+) -> shader.Program:
     """The choices of `scene` that shape the shader's program."""
     mapper, surface = scene.film.tone_mapper, shadow_start == "surface"
     return shader.Program(
@@ -37,6 +39,7 @@ def program_of(scene: Scene, intersection: str, shadow_start: str = "offset") ->
         shadow_start=shadow_start,
         # Known only where they matter, so that the assignment's program does not depend on them.
         casting=tuple(i for i, plane in enumerate(scene.planes) if plane.casts_shadow) if surface else (),
+        antialias=antialias,
     )
 
 

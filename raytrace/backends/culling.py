@@ -15,9 +15,10 @@ epsilons, and covers the roundings of this file's own arithmetic too.
 """
 
 from math import inf, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from raytrace.shader.glsl import Vec3, cross, dot, maximum, normalize, select
+from raytrace.shader.jet import Jet, values
 from raytrace.shader.namespace import constant, namespace
 from raytrace.shader.types import Array
 from raytrace.shader.uniforms import Camera, Program, Sphere, Uniforms
@@ -26,6 +27,8 @@ __all__ = ["Beam", "Bounds", "Coordinates", "Pencil", "Region", "outside", "prim
 
 #: What is added to a radius, in machine epsilons of the distances that enter.
 SLACK = 32
+#: So many pixels' widths from a ray is what its pixel may see: an edge half a pixel away, and more for its curvature.
+PIXELS = 2
 #: A camera whose axes are nearer to lying in one plane than this has no coordinates to be trusted.
 FLATTEST = 1e-2
 
@@ -48,6 +51,14 @@ class Coordinates(NamedTuple):
     w: Array
     error: Array
     w_error: Array
+
+    @classmethod
+    def of(cls, u: Any, v: Any, w: Any, error: Any, w_error: Any) -> "Coordinates":
+        """The coordinates of rays; of jets, of all rays around them in whose pixel they may be seen."""
+        jets = [x for x in (u, v, w) if isinstance(x, Jet)]
+        around = sum(PIXELS * jet.spread for jet in jets)
+        u, v, w, error, w_error = values((u, v, w, error, w_error))
+        return cls(u, v, w, error + around, w_error + around)
 
 
 class Region(NamedTuple):
@@ -102,7 +113,7 @@ class Pencil(NamedTuple):
         widest = maximum(_length(self.x), _length(self.y)) + maximum(abs(u), abs(v)) * _length(self.z)
         error = SLACK * _epsilon(u) * widest / forward
         none = constant(0, u)
-        return Coordinates(u, v, none, select(forward > 0, error, inf), none)
+        return Coordinates.of(u, v, none, select(forward > 0, error, inf), none)
 
     def bounds(self, spheres: Sphere, quadratic: bool) -> Bounds:
         center = spheres.center - self.apex
@@ -140,7 +151,7 @@ class Beam(NamedTuple):
         linear = SLACK * _epsilon(size) * size
         # sqrt(r^2 + k (D + S)^2) <= sqrt(r^2 + 2 k D^2) + sqrt(2 k) S: the sphere takes one part, the ray the other.
         square = linear + (2 * SLACK * _epsilon(size)) ** 0.5 * size
-        return Coordinates(
+        return Coordinates.of(
             dot(self.x, ro), dot(self.y, ro), dot(self.direction, ro), square if quadratic else linear, square
         )
 

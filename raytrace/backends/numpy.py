@@ -15,7 +15,7 @@ from raytrace.backends.culling import Beam, Bounds, Pencil, Region, outside, pri
 from raytrace.backends.job import Job
 from raytrace.cores import cores
 from raytrace.shader.control import Engine, running
-from raytrace.shader.hit import Hit
+from raytrace.shader.hit import Hit, Nearest
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import pixels
 from raytrace.shader.tree import tree_map
@@ -51,7 +51,7 @@ class Masked(Engine):
         )
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
-        visible = self.primary if isinstance(start, Hit) else self.shadow
+        visible = self.primary if isinstance(start, Hit | Nearest) else self.shadow
         if visible is None or not isinstance(items, Sphere):
             return super().each(items, body, start, args, unroll)
         region = Region.of(visible.rays.coordinates(*args[:2], self.quadratic), np.True_)

@@ -25,7 +25,7 @@ from raytrace.shader.running import engine, running
 from raytrace.shader.tree import tree_leaves, tree_map
 from raytrace.shader.types import Array
 
-__all__ = ["Engine", "at", "branch", "count", "detach", "each", "running", "step"]
+__all__ = ["Engine", "at", "branch", "count", "detach", "each", "rarely", "running", "step"]
 
 
 class Engine:
@@ -39,6 +39,9 @@ class Engine:
 
     def branch(self, condition: Array, then: Callable, other: Callable, args: tuple) -> Any:
         return select(condition, then(*args), other(*args))
+
+    def rarely(self, condition: Array, then: Callable, other: Callable, args: tuple) -> Any:
+        return self.branch(condition, then, other, args)
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
         state = start
@@ -80,6 +83,11 @@ def branch(condition: Array, then: Callable, other: Callable, *args: Any) -> Any
     the same structure. A side may see only the pixels concerned, or not be called at all.
     """
     return _running().branch(condition, then, other, args)
+
+
+def rarely(condition: Array, then: Callable, other: Callable, *args: Any) -> Any:
+    """`branch`, where few pixels take the first side, which is large, and the other is a trifle."""
+    return _running().rarely(condition, then, other, args)
 
 
 def each(items: Any, body: Callable, start: Any, *args: Any, unroll: bool = True) -> Any:

@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from raytrace.shader.jet import Jet, value
 from raytrace.shader.literal import Literal
 from raytrace.shader.namespace import constant, lift, namespace
 from raytrace.shader.running import engine
-from raytrace.shader.tree import tree_map
+from raytrace.shader.tree import array_map
 from raytrace.shader.types import Array
 
 __all__ = [
@@ -39,6 +40,7 @@ __all__ = [
     "normalize",
     "pow",
     "select",
+    "smallest_divisor",
     "smallest_normal",
     "sqrt",
 ]
@@ -175,25 +177,28 @@ def select(condition: Array, then: Any, other: Any) -> Any:
     """`then` where `condition` holds, else `other`: planes, scalars, or equal structures of them."""
 
     def leaf(a, b):
+        jet = next((x for x in (a, b) if isinstance(x, Jet)), None)
+        if jet is not None:
+            return namespace(jet).where(condition, a, b)
         like = a if hasattr(a, "__array_namespace__") else b
         return namespace(condition).where(condition, lift(a, like), lift(b, like))
 
-    return tree_map(leaf, then, other)
+    return array_map(leaf, then, other)
 
 
 def minimum(a: Any, b: Any) -> Any:
     """The smaller of two numbers, GLSL's ``min``; of a vector and a number, each component's."""
-    return tree_map(lambda a: namespace(a).minimum(a, lift(b, a)), a)
+    return array_map(lambda a: namespace(a).minimum(a, lift(b, a)), a)
 
 
 def maximum(a: Any, b: Any) -> Any:
     """The larger of two numbers, GLSL's ``max``; of a vector and a number, each component's."""
-    return tree_map(lambda a: namespace(a).maximum(a, lift(b, a)), a)
+    return array_map(lambda a: namespace(a).maximum(a, lift(b, a)), a)
 
 
 def clamp(x: Any, low: Any, high: Any) -> Any:
     """`x` limited to the range from `low` to `high`; of a vector, each component."""
-    return tree_map(lambda x: minimum(maximum(x, low), high), x)
+    return array_map(lambda x: minimum(maximum(x, low), high), x)
 
 
 def mix(a: Any, b: Any, share: Any) -> Any:
@@ -203,7 +208,7 @@ def mix(a: Any, b: Any, share: Any) -> Any:
 
 def floor(x: Any) -> Any:
     """The largest whole number not above `x`; of a vector, each component."""
-    return tree_map(lambda x: namespace(x).floor(x), x)
+    return array_map(lambda x: namespace(x).floor(x), x)
 
 
 def mod(x: Array, y: Any) -> Array:
@@ -219,6 +224,11 @@ def isfinite(x: Array) -> Array:
 def smallest_normal(x: Array, times: int = 1) -> Array:
     """The smallest positive normal number of the arithmetic of `x`, of shape (), or so many times that."""
     return constant(times * namespace(x).finfo(x.dtype).smallest_normal, x)
+
+
+def smallest_divisor(x: Array) -> Array:
+    """A positive number, of shape (), as small as may be divided by: a quotient's derivative has it squared."""
+    return 2 * sqrt(smallest_normal(value(x)))
 
 
 def sqrt(x: Array) -> Array:
@@ -267,7 +277,7 @@ def pow(x: Any, y: Any) -> Any:
         positive = maximum(x, smallest_normal(x, times=4))
         return select(x > 0, exp2(y * log2(positive)), 0)
 
-    return tree_map(leaf, x)
+    return array_map(leaf, x)
 
 
 def _square_roots(exponent: Any) -> int:

@@ -1,10 +1,10 @@
-"""What a search for the closest intersection carries from one object to the next."""
+"""What a search among objects carries from one to the next."""
 
 from typing import NamedTuple
 
 from raytrace.shader.types import Float, Int
 
-__all__ = ["Hit"]
+__all__ = ["Darkest", "Hit", "Nearest"]
 
 
 class Hit(NamedTuple):
@@ -12,3 +12,20 @@ class Hit(NamedTuple):
 
     t: Float
     index: Int
+
+
+class _Best(NamedTuple):
+    merit: tuple[Float, ...]
+    index: tuple[Int, ...]
+
+
+class Nearest(_Best):
+    """The nearest few surfaces so far, nearest first: 1 / t (0: none) and whose each is (-1: nobody's)."""
+
+    __slots__ = ()
+
+
+class Darkest(_Best):
+    """What hides most of the sun so far: the share that it hides (0: none) and whose it is (-1: nobody's)."""
+
+    __slots__ = ()

@@ -3,9 +3,12 @@
 from typing import NamedTuple
 
 from raytrace.shader.control import branch, count, step
+from raytrace.shader.coverage import positive_mean
 from raytrace.shader.glsl import Vec3, clamp, dot, maximum, normalize, select
+from raytrace.shader.jet import values
 from raytrace.shader.literal import literal
 from raytrace.shader.namespace import constant
+from raytrace.shader.occlusion import lit_share, lit_share_of_planes
 from raytrace.shader.plane import any_plane_intersect
 from raytrace.shader.sphere import any_sphere_intersect
 from raytrace.shader.types import Float, Int
@@ -34,12 +37,18 @@ class Light(NamedTuple):
 def shadow_ray(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program, but: Int | None = None) -> Float:
     """How much light comes along the ray: 0 where a sphere stands at t >= 0, else 1.
 
-    Planes block only where they are asked to (``casts_shadow``); the assignment's does not. `but`: the index of a
-    surface that does not block, spheres counted first, then planes; ``None`` for none.
+    With edges antialiased, the share of a pixel's rays that none stops. Planes block only where they are asked to
+    (``casts_shadow``); the assignment's does not. `but`: the index of a surface that does not block, spheres counted
+    first, then planes; ``None`` for none.
     """
+    plane = None
+    if uniforms.shadow_planes is not None and but is not None:
+        plane = place_among(program.casting, but - count(uniforms.spheres))
+    if program.antialias == "edges":
+        by_spheres = lit_share(ro, rd, uniforms.spheres, but)
+        return by_spheres * lit_share_of_planes(ro, rd, uniforms.shadow_planes, plane)
     blocked = any_sphere_intersect(ro, rd, uniforms.spheres, program.intersection, but)
     if uniforms.shadow_planes is not None:
-        plane = None if but is None else place_among(program.casting, but - count(uniforms.spheres))
         blocked = blocked | any_plane_intersect(ro, rd, uniforms.shadow_planes, plane)
     return select(blocked, constant(0, rd.x), 1)
 
@@ -63,7 +72,10 @@ def light_at_point(
     """
     sun, sky = uniforms.sun, uniforms.sky
     L = normalize(sun.direction)
-    NdL = maximum(dot(N, L), 0)
+    if program.antialias == "edges":
+        NdL, N = positive_mean(dot(N, L)), values(N)
+    else:
+        NdL = maximum(dot(N, L), 0)
     NdSky = clamp(0.5 * N.y + 0.5, 0, 1)
 
     def sent(point, N, index):

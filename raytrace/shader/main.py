@@ -4,16 +4,18 @@ from math import inf
 from typing import Any, NamedTuple
 
 from raytrace.shader.camera import orthographic_ray, primary_ray
-from raytrace.shader.checkerboard import checkerboard
+from raytrace.shader.checkerboard import checkerboard, checkerboard_mean
 from raytrace.shader.control import at, branch, count
 from raytrace.shader.film import develop
 from raytrace.shader.glsl import Vec2, Vec3, normalize, select
 from raytrace.shader.hit import Hit
+from raytrace.shader.jet import jet
 from raytrace.shader.light import Light, light_at_point
 from raytrace.shader.namespace import constant
 from raytrace.shader.plane import closest_plane_intersect
 from raytrace.shader.sky import background_color
 from raytrace.shader.sphere import closest_sphere_intersect
+from raytrace.shader.tree import array_map
 from raytrace.shader.types import Int
 from raytrace.shader.uniforms import Program, Uniforms
 
@@ -134,9 +136,13 @@ def normal_and_color(point: Vec3, index: Int, uniforms: Uniforms, program: Progr
 
     def on_plane(point, index):
         plane = at(planes, index - count(spheres))
+        edges = program.antialias == "edges"
+        # On spheres it is a jet there.
+        normal = array_map(jet, plane.normal) if edges else plane.normal
         if not program.patterned:
-            return plane.normal, plane.even
-        return plane.normal, checkerboard(point, plane.tile_size, plane.even, plane.odd, plane.line)
+            return normal, plane.even
+        pattern = checkerboard_mean if edges else checkerboard
+        return normal, pattern(point, plane.tile_size, plane.even, plane.odd, plane.line)
 
     if planes is None:
         return on_sphere(point, index)

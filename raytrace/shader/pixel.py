@@ -6,8 +6,11 @@ from raytrace.shader.camera import pixel_to_ndc
 from raytrace.shader.control import each
 from raytrace.shader.film import develop
 from raytrace.shader.glsl import Vec2, Vec3
+from raytrace.shader.jet import Jet
+from raytrace.shader.layers import mean_color
 from raytrace.shader.main import Steps, main
-from raytrace.shader.namespace import constant, namespace
+from raytrace.shader.namespace import constant
+from raytrace.shader.sampling import sample_grid
 from raytrace.shader.types import Float
 from raytrace.shader.uniforms import Program, Uniforms
 
@@ -38,30 +41,37 @@ def pixels(
 ) -> Steps:
     """The steps named in `keep` for the pixels (column, row); of several samples, their mean in linear light.
 
-    With more than one sample only "linear" and "display" have a meaning.
+    With more than one sample, and with edges antialiased, only "linear" and "display" have a meaning.
     """
 
-    def sample(offset, column, row, keep):
+    def ndc(offset, column, row):
         uv = texture_coordinates(column, row, offset, frame)
-        return main(uniforms, program, pixel_to_ndc(uv.x, uv.y), keep)
+        return pixel_to_ndc(uv.x, uv.y)
 
-    if frame.samples == 1:
-        return sample(Vec2(0.5, 0.5), column, row, keep)
+    def sample(offset, column, row):
+        if program.antialias == "edges":
+            # A pixel is one thing there, and not the crossing of a column and a row.
+            column, row = column + 0 * row, row + 0 * column
+            return mean_color(uniforms, program, ndc(square(offset), column, row))
+        return main(uniforms, program, ndc(offset, column, row), ("linear",)).linear
 
     def add(total, _, offset, column, row):
-        return total + sample(offset, column, row, ("linear",)).linear
+        return total + sample(offset, column, row)
 
-    zero = constant(0, column)
-    total = each(sample_grid(frame.samples, column), add, Vec3(zero, zero, zero), column, row, unroll=False)
-    linear = total / frame.samples**2
+    if frame.samples == 1:
+        center = Vec2(constant(0.5, column), constant(0.5, column))
+        if program.antialias == "none":
+            return main(uniforms, program, ndc(center, column, row), keep)
+        linear = sample(center, column, row)
+    else:
+        zero = constant(0, column)
+        total = each(sample_grid(frame.samples, column), add, Vec3(zero, zero, zero), column, row, unroll=False)
+        linear = total / frame.samples**2
     display = develop(linear, uniforms.film, program) if "display" in keep else None
     return Steps(linear=linear, display=display).only(keep)
 
 
-def sample_grid(n: int, like: Float) -> Vec2:
-    """The centres of an n x n grid, counted in samples: two arrays of shape (n * n,)."""
-    xp = namespace(like)
-    centers = [k + 0.5 for k in range(n)]
-    x = xp.asarray(centers * n, dtype=like.dtype)
-    y = xp.asarray([center for center in centers for _ in range(n)], dtype=like.dtype)
-    return Vec2(x, y)
+def square(center: Vec2) -> Vec2:
+    """The square around a sample, whose side is 1: its centre, and how that changes over it."""
+    one, zero = constant(1, center.x), constant(0, center.x)
+    return Vec2(Jet(center.x, one, zero), Jet(center.y, zero, one))

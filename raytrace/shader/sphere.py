@@ -10,7 +10,14 @@ from raytrace.shader.namespace import constant
 from raytrace.shader.types import Bool, Float, Int
 from raytrace.shader.uniforms import Sphere
 
-__all__ = ["INTERSECTIONS", "any_sphere_intersect", "closest_sphere_intersect", "sphere_intersect"]
+__all__ = [
+    "INTERSECTIONS",
+    "any_sphere_intersect",
+    "closest_approach",
+    "closest_sphere_intersect",
+    "sphere_intersect",
+    "sphere_reach",
+]
 
 
 class Roots(NamedTuple):
@@ -33,6 +40,12 @@ def textbook_roots(ro: Vec3, rd: Vec3, radius: Float) -> Roots:
     return Roots(d, -b - root, -b + root)
 
 
+def closest_approach(ro: Vec3, rd: Vec3) -> tuple[Float, Vec3]:
+    """b, so that the ray's line is nearest to the origin at t = -b, and that point."""
+    b = dot(ro, rd)
+    return b, ro - b * rd
+
+
 def robust_roots(ro: Vec3, rd: Vec3, radius: Float) -> Roots:
     """The same roots without cancellation.
 
@@ -42,8 +55,7 @@ def robust_roots(ro: Vec3, rd: Vec3, radius: Float) -> Roots:
     Source: Haines, Guenther, Akenine-Moeller, 'Precision Improvements for Ray/Sphere Intersection',
     Ray Tracing Gems (2019), chapter 7.
     """
-    b = dot(ro, rd)
-    nearest = ro - b * rd
+    b, nearest = closest_approach(ro, rd)
     d = radius * radius - dot(nearest, nearest)
     root = sqrt(d)
     c = dot(ro, ro) - radius * radius
@@ -66,6 +78,12 @@ def sphere_intersect(ro: Vec3, rd: Vec3, s: Sphere, intersection: str = "textboo
     d, t1, t2 = INTERSECTIONS[intersection](ro - s.center, rd, s.radius)
     # `d >= 0` and not `d < 0`: where the discriminant has overflowed to NaN there is no intersection either.
     return select(d >= 0, select(t1 < 0, t2, t1), -1)
+
+
+def sphere_reach(ro: Vec3, rd: Vec3, s: Sphere, intersection: str = "textbook") -> Float:
+    """The same t, but where the ray's line passes the sphere by, that of the point nearest to it."""
+    _, t1, t2 = INTERSECTIONS[intersection](ro - s.center, rd, s.radius)
+    return select(t1 < 0, t2, t1)
 
 
 @step

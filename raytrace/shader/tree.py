@@ -6,16 +6,25 @@
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["tree_leaves", "tree_map"]
+__all__ = ["array_map", "tree_leaves", "tree_map"]
 
 
 def tree_map(function: Callable, tree: Any, *others: Any) -> Any:
     """`function` of every leaf of `tree` and of the leaves at the same places of `others`."""
+    return _map(lambda part: False, function, tree, *others)
+
+
+def array_map(function: Callable, tree: Any, *others: Any) -> Any:
+    """The same, but whatever can be computed with is a leaf, even if it is made of several planes."""
+    return _map(lambda part: hasattr(part, "__array_namespace__"), function, tree, *others)
+
+
+def _map(is_leaf: Callable, function: Callable, tree: Any, *others: Any) -> Any:
     if tree is None:
         return None
-    if not isinstance(tree, tuple):
+    if not isinstance(tree, tuple) or any(map(is_leaf, (tree, *others))):
         return function(tree, *others)
-    mapped = [tree_map(function, *parts) for parts in zip(tree, *others, strict=True)]
+    mapped = [_map(is_leaf, function, *parts) for parts in zip(tree, *others, strict=True)]
     return type(tree)(*mapped) if hasattr(tree, "_fields") else tuple(mapped)
 
 

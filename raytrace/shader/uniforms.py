@@ -81,7 +81,8 @@ class Program:
     `lighting` is what the assignment has added by figure 3 (off), 5 (on) and 6 (shadow). `intersection` chooses
     the formula for the sphere. `patterned` is False where every plane is plain. `shadow_start` is where a shadow ray
     starts: at the assignment's offset along the normal, or on the surface, which then casts no shadow on itself.
-    `casting` are the numbers of the planes in ``shadow_planes``.
+    `casting` are the numbers of the planes in ``shadow_planes``. `antialias` is "edges" where a pixel is to be the mean
+    over its square of what is on either side of the edges in it.
     """
 
     lighting: Literal["off", "on", "shadow"]
@@ -92,3 +93,4 @@ class Program:
     transfer: Callable
     shadow_start: Literal["offset", "surface"] = "offset"
     casting: tuple[int, ...] = ()
+    antialias: Literal["none", "edges"] = "none"

@@ -3,7 +3,8 @@ import pytest
 
 import raytrace
 from raytrace.shader.glsl import Vec2
-from raytrace.shader.pixel import Frame, sample_grid, texture_coordinates
+from raytrace.shader.pixel import Frame, texture_coordinates
+from raytrace.shader.sampling import sample_grid
 
 
 def test_pixel_centres_by_hand():

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 
+from raytrace.shader.glsl import dot
 from raytrace.shader.plane import any_plane_intersect, closest_plane_intersect, plane_intersect
 from raytrace.shader.uniforms import Plane
 from tests.strategies import directions, positions, unit, vec3
@@ -59,5 +60,6 @@ def test_a_hit_lies_on_the_plane(ro, rd, point, normal):
 @given(positions, directions, positions, directions)
 def test_a_ray_reversed_is_met_behind(ro, rd, point, normal):
     rd, normal = vec3(unit(rd)), vec3(unit(normal))
+    assume(dot(rd, normal) != 0)  # a ray along the plane meets it at infinity, on the side of a zero's sign
     t = plane_intersect(vec3(ro), rd, normal, vec3(point))
     np.testing.assert_equal(plane_intersect(vec3(ro), -rd, normal, vec3(point)), -t)

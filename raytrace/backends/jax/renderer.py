@@ -8,6 +8,7 @@ from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import jax
+import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
@@ -15,6 +16,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from raytrace.backends.jax.devices import ask_for_all_cores, fetched, mesh
 from raytrace.backends.jax.drawing import draw, engine_of, tiles_of
+from raytrace.backends.jax.forward import by_forward_mode
 from raytrace.backends.jax.packing import Layout, pack
 from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, culling
 from raytrace.backends.jax.stored import stored
@@ -146,6 +148,10 @@ class Renderer:
     def draw(self, first: int, count: int) -> dict[str, Any]:
         first, mode = np.int32(first), np.int32(self.mode)
         with self._outside():
+            if self.traced and self.job.program.antialias == "edges":
+                # Every edge's text is there several times over, which reverse mode takes minutes to compile.
+                drawn = partial(_drawn, self.job, count, self.devices, True)
+                return by_forward_mode(lambda uniforms: drawn(uniforms, None, mode, first), self.uniforms)
             if self.traced:
                 return _drawn(self.job, count, self.devices, True, self.uniforms, None, mode, first)
             numbers, culled = prepared = self._prepared()
@@ -188,7 +194,7 @@ class Renderer:
         """x64 as it is needed; and what is not traced is computed at once, even while JAX traces something else."""
         with (
             jax.enable_x64(True) if self.borrows_x64 else nullcontext(),
-            nullcontext() if self.traced else jax.ensure_compile_time_eval(),
+            nullcontext() if self.traced else jax.core.eval_context(),
         ):
             yield
 

@@ -22,7 +22,7 @@ from raytrace.backends.jax.grid import Grid, candidates, grid
 from raytrace.backends.jax.traced import traced
 from raytrace.shader.control import count
 from raytrace.shader.glsl import select
-from raytrace.shader.hit import Hit
+from raytrace.shader.hit import Hit, Nearest
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
 __all__ = ["SEARCHED", "Culling", "Staged", "Visible", "culling"]
@@ -30,6 +30,8 @@ __all__ = ["SEARCHED", "Culling", "Staged", "Visible", "culling"]
 #: With more spheres than this the small ones are in grids. A block's own rays see fewer spheres than lie between the
 #: surfaces that it sees and the sun, so that a list of them all does for longer.
 MANY_FOR_PRIMARY, MANY_FOR_SHADOW = 2048, 256
+#: Where few pixels take a branch, so many parts of a block's are computed one after the other, as many as are needed.
+PARTS = 8
 #: The name of what a search found, which is kept for reverse mode: nothing is searched again.
 SEARCHED = "searched"
 #: So many spheres are asked at a time whether a block's rays can meet them.
@@ -133,26 +135,58 @@ class Block(OwnFunctions):
         )
         return select(condition, *(computed_if(needed, side, shapes, args) for needed, side, _ in sides))
 
+    def rarely(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
+        n, active = condition.size, self.active
+        size = -(-n // PARTS)
+        taken = condition if active is None else condition & active
+        total = jnp.sum(taken, dtype=jnp.int32)
+        # The pixels concerned, one after the other, and then none.
+        places = jnp.where(taken, jnp.cumsum(taken, dtype=jnp.int32) - 1, PARTS * size)
+        pixels = jnp.full(PARTS * size, n, jnp.int32).at[places].set(jnp.arange(n, dtype=jnp.int32), mode="drop")
+
+        def of_part(indices: jax.Array, args: tuple) -> Any:
+            some = jax.tree.map(lambda plane: plane.at[indices].get(mode="clip") if jnp.ndim(plane) else plane, args)
+            with self._only(indices < n):
+                parts = then(*some)
+            return jax.tree.map(lambda plane: jnp.broadcast_to(plane, (size,)), parts)
+
+        of_part, shapes = traced(of_part, pixels[:size], args)
+        image = jax.tree.map(lambda plane, shape: jnp.broadcast_to(plane, (n,)), other(*args), shapes)
+
+        def with_part(k: jax.Array, image: Any) -> Any:
+            indices = lax.dynamic_slice(pixels, (k * size,), (size,))
+
+            def placed(image: Any) -> Any:
+                parts = of_part(indices, args)
+                return jax.tree.map(lambda whole, part: whole.at[indices].set(part, mode="drop"), image, parts)
+
+            return lax.cond((k * size < total) | self.everything, placed, lambda image: image, image)
+
+        return lax.fori_loop(0, PARTS, with_part, image)
+
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
-        nearest = isinstance(start, Hit)
-        visible = self.culling.primary if nearest else self.culling.shadow
+        visible = self.culling.primary if isinstance(start, Hit | Nearest) else self.culling.shadow
         if not isinstance(items, Sphere) or visible is None:
             return super().each(items, body, start, args, unroll)
         loop_items, loop_args = lax.stop_gradient((items, args))
-        loop = _Loop(self, visible, loop_items, body, nearest, loop_args)
+        loop = _Loop(self, visible, loop_items, body, loop_args)
         shape = jax.eval_shape(lambda state: body(state, 0, jax.tree.map(lambda leaf: leaf[0], items), *args), start)
         state = jax.tree.map(lambda leaf: checkpoint_name(leaf, SEARCHED), loop.run(shaped(start, shape)))
-        if not (nearest and self.differentiated):
+        if not (isinstance(start, Hit) and self.differentiated):
             return state
         return self.winner(items, body, start, state.index, args)
 
-    @contextmanager
-    def _among(self, condition: jax.Array):
+    def _among(self, condition: jax.Array) -> Any:
         """Within this context only those pixels for which `condition` holds are of interest."""
+        return self._only(condition if self.active is None else self.active & condition)
+
+    @contextmanager
+    def _only(self, active: jax.Array):
+        """The same, and whatever was of interest before is not."""
         before = self.active
-        self.__dict__["active"] = condition if before is None else before & condition
+        self.__dict__["active"] = active
         try:
-            yield self.active
+            yield active
         finally:
             self.__dict__["active"] = before
 
@@ -164,12 +198,11 @@ class _Loop(NamedTuple):
     visible: Visible
     spheres: Sphere
     body: Callable
-    nearest: bool
     args: tuple
 
     def run(self, state: Any) -> Any:
         n, grid = count(self.spheres), self.visible.grid
-        plane = state.t if self.nearest else state
+        plane = jax.tree.leaves(state)[0]
         active = jnp.ones(plane.shape, bool) if self.engine.active is None else self.engine.active
         active = jnp.broadcast_to(active, plane.shape)
         where = self.visible.rays.coordinates(*self.args[:2], self.engine.quadratic)
@@ -214,14 +247,14 @@ class _Loop(NamedTuple):
 
     def _turn(self, i: jax.Array, sphere: Sphere, state: Any) -> Any:
         changed = self.body(state, i, sphere, *self.args)
-        if self.nearest and self.visible.grid is not None:
+        if isinstance(state, Hit) and self.visible.grid is not None:
             # Grids are not in the spheres' order. Of spheres at equal t the last one in it wins all the same.
             changed = select((changed.t == state.t) & (i < state.index), state, changed)
         return shaped(changed, state)
 
     def _while_needed(self, rounds: Callable, active: jax.Array, turn: Callable, state: Any) -> Any:
         """`turn(k, state)` for k from 0 to `rounds(open)`, as long as it can change an `active` ray that is open."""
-        if self.nearest:
+        if isinstance(state, tuple):
             return lax.fori_loop(0, rounds(active), turn, state)
 
         def rounds_left(blocked: jax.Array) -> jax.Array:

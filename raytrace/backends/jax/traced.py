@@ -14,6 +14,7 @@ def traced(function: Callable, *args: Any) -> tuple[Callable, Any]:
 
     `jax.eval_shape` would run the function's Python once more, and what is nested in it twice more at each level.
     """
-    closed, shapes = jax.make_jaxpr(function, return_shape=True)(*args)
+    # A new function each time: JAX would remember what it has traced, with what the engine held at that time.
+    closed, shapes = jax.make_jaxpr(lambda *args: function(*args), return_shape=True)(*args)
     run, tree = jaxpr_as_fun(closed), jax.tree.structure(shapes)
     return lambda *args: tree.unflatten(run(*jax.tree.leaves(args))), shapes

@@ -1,0 +1,176 @@
+"""Jets: planes that know how they change from one pixel to the next.
+
+A jet is an array for the shader's text like any other. Its derivatives follow the rules of calculus, but for the square
+root (`_Namespace.sqrt`). Comparisons compare the values.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, NamedTuple
+
+from raytrace.shader.namespace import lift, namespace
+from raytrace.shader.types import Array, Bool
+
+__all__ = ["Jet", "jet", "value", "values"]
+
+
+def _beside_vectors(operation: Callable) -> Callable:
+    """A method that leaves vectors to their own, as arrays do, and has literals in the planes' arithmetic."""
+
+    @wraps(operation)
+    def method(self, other):
+        if isinstance(other, tuple) and not isinstance(other, Jet):
+            return NotImplemented
+        return operation(self, other if isinstance(other, Jet) else lift(other, self.value))
+
+    return method
+
+
+class Jet(NamedTuple):
+    """A plane, and its derivatives by the column and by the row: how much it changes over a pixel's width and height.
+
+    A tuple, so that whatever walks structures of planes finds three of them. Whatever is no jet is constant.
+    """
+
+    value: Array
+    dx: Array
+    dy: Array
+
+    # NumPy's operators then leave the operation to this class.
+    __array_ufunc__ = None
+    __hash__ = None
+
+    def __array_namespace__(self, api_version: str | None = None) -> Any:
+        return _Namespace(namespace(self.value))
+
+    @property
+    def dtype(self) -> Any:
+        return self.value.dtype
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        return self.value.shape
+
+    @property
+    def spread(self) -> Array:
+        """By how much it changes over a pixel, at most: |dx| + |dy|."""
+        return abs(self.dx) + abs(self.dy)
+
+    def __neg__(self) -> "Jet":
+        return Jet(-self.value, -self.dx, -self.dy)
+
+    def __abs__(self) -> "Jet":
+        return _Namespace(namespace(self.value)).where(self.value < 0, -self, self)
+
+    @_beside_vectors
+    def __add__(self, other: Any) -> "Jet":
+        if isinstance(other, Jet):
+            return Jet(self.value + other.value, self.dx + other.dx, self.dy + other.dy)
+        return Jet(self.value + other, self.dx, self.dy)
+
+    @_beside_vectors
+    def __mul__(self, other: Any) -> "Jet":
+        if isinstance(other, Jet):
+            a, b = self.value, other.value
+            return Jet(a * b, self.dx * b + a * other.dx, self.dy * b + a * other.dy)
+        return Jet(self.value * other, self.dx * other, self.dy * other)
+
+    @_beside_vectors
+    def __truediv__(self, other: Any) -> "Jet":
+        if isinstance(other, Jet):
+            quotient, b = self.value / other.value, other.value
+            return Jet(quotient, (self.dx - quotient * other.dx) / b, (self.dy - quotient * other.dy) / b)
+        return Jet(self.value / other, self.dx / other, self.dy / other)
+
+    @_beside_vectors
+    def __rtruediv__(self, other: Any) -> "Jet":
+        quotient = other / self.value
+        return Jet(quotient, -quotient * self.dx / self.value, -quotient * self.dy / self.value)
+
+    @_beside_vectors
+    def __sub__(self, other: Any) -> "Jet":
+        return self + -other
+
+    @_beside_vectors
+    def __rsub__(self, other: Any) -> "Jet":
+        return -self + other
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __lt__(self, other: Any) -> Bool:
+        return self.value < value(other)
+
+    def __le__(self, other: Any) -> Bool:
+        return self.value <= value(other)
+
+    def __gt__(self, other: Any) -> Bool:
+        return self.value > value(other)
+
+    def __ge__(self, other: Any) -> Bool:
+        return self.value >= value(other)
+
+    def __eq__(self, other: Any) -> Bool:
+        return self.value == value(other)
+
+    def __ne__(self, other: Any) -> Bool:
+        return self.value != value(other)
+
+
+def jet(x: Any) -> Jet:
+    """A plane as a jet that does not change; a jet as it is."""
+    return x if isinstance(x, Jet) else Jet(x, *(lift(0, x),) * 2)
+
+
+def value(x: Any) -> Any:
+    """The plane of a jet; anything else as it is."""
+    return x.value if isinstance(x, Jet) else x
+
+
+def values(structure: Any) -> Any:
+    """`structure` with planes in the place of its jets."""
+    if isinstance(structure, Jet) or not isinstance(structure, tuple):
+        return value(structure)
+    parts = [values(part) for part in structure]
+    return type(structure)(*parts) if hasattr(structure, "_fields") else tuple(parts)
+
+
+class _Namespace:
+    """The functions of the array API standard that the shader uses on its way to a surface, for jets over `base`."""
+
+    def __init__(self, base: Any):
+        self.base = base
+
+    def finfo(self, dtype: Any) -> Any:
+        return self.base.finfo(dtype)
+
+    def asarray(self, value: Any, dtype: Any) -> Array:
+        return self.base.asarray(value, dtype=dtype)
+
+    def isfinite(self, x: Jet) -> Bool:
+        return self.base.isfinite(x.value)
+
+    def where(self, condition: Bool, a: Any, b: Any) -> Jet:
+        """`a` where `condition` holds, else `b`; one of them at least is a jet."""
+        like = a.value if isinstance(a, Jet) else b.value
+        a, b = (x if isinstance(x, Jet) else jet(lift(x, like)) for x in (a, b))
+        return Jet(*(self.base.where(condition, *parts) for parts in zip(a, b, strict=True)))
+
+    def maximum(self, a: Jet, b: Any) -> Jet:
+        return self._extreme(self.base.maximum, a, b)
+
+    def minimum(self, a: Jet, b: Any) -> Jet:
+        return self._extreme(self.base.minimum, a, b)
+
+    def _extreme(self, of: Callable, a: Jet, b: Any) -> Jet:
+        either = self.where(a.value == of(a.value, value(b)), a, b)
+        return Jet(of(a.value, value(b)), either.dx, either.dy)
+
+    def sqrt(self, x: Jet) -> Jet:
+        """The root; within half a pixel of 0 its slope is not the tangent's, which is infinite there.
+
+        It is then the slope between there and 0, so that a pixel at a sphere's silhouette does not seem to reach
+        infinitely far.
+        """
+        root = self.base.sqrt(x.value)
+        half = self.base.sqrt(self.base.maximum(x.value, x.spread / 2))
+        return Jet(root, x.dx / (2 * half), x.dy / (2 * half))
