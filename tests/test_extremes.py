@@ -113,9 +113,10 @@ def assert_is_an_image(image):
     dtype=st.sampled_from(["float32", "float64"]),
     intersection=st.sampled_from(["textbook", "robust"]),
     shadow_start=st.sampled_from(["offset", "surface"]),
+    antialias=st.sampled_from(["none", "edges"]),
 )
-def test_numpy_draws_any_scene(scene, dtype, intersection, shadow_start):
-    choices = {"intersection": intersection, "shadow_start": shadow_start}
+def test_numpy_draws_any_scene(scene, dtype, intersection, shadow_start, antialias):
+    choices = {"intersection": intersection, "shadow_start": shadow_start, "antialias": antialias}
     assert_is_an_image(raytrace.render(scene, SIZE, backend="numpy", dtype=dtype, **choices))
 
 

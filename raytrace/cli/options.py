@@ -12,6 +12,7 @@ from raytrace.errors import InputError
 from raytrace.rendering import check_size
 
 __all__ = [
+    "Antialias",
     "BackendName",
     "Changes",
     "Dtype",
@@ -36,6 +37,9 @@ Dtype = Annotated[str, typer.Option(help="float32; jax, numpy: float64; numpy: l
 Intersection = Annotated[str | None, typer.Option(help="textbook or robust; default: robust in float32 only.")]
 ShadowStart = Annotated[
     str, typer.Option(help="offset, the assignment's 1e-3 along the normal; jax, numpy: surface, which has no scale.")
+]
+Antialias = Annotated[
+    str, typer.Option(help="none, or edges: each pixel the mean over its square, along its edges too; jax, numpy.")
 ]
 Shader = Annotated[
     Path | None, typer.Option(help="Your own fragment shader, to run instead; with --backend opengl or webgl.")

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from raytrace.cli.options import (
+    Antialias,
     BackendName,
     Changes,
     Dtype,
@@ -52,6 +53,7 @@ def render(
     changes: Changes = [],  # noqa: B006 (typer's way)
     intersection: Intersection = None,
     shadow_start: ShadowStart = "offset",
+    antialias: Antialias = "none",
     exact_inputs: ExactInputs = False,
     skip: Skip = True,
     shader: Shader = None,
@@ -84,6 +86,7 @@ def render(
             output=output or file_format(out).output,
             intersection=intersection,
             shadow_start=shadow_start,
+            antialias=antialias,
             exact_inputs=exact_inputs,
             skip=skip,
             shader=shader,

@@ -16,7 +16,6 @@ from raytrace.shader.plane import closest_plane_intersect
 from raytrace.shader.sky import background_color
 from raytrace.shader.sphere import closest_sphere_intersect
 from raytrace.shader.tree import array_map
-from raytrace.shader.types import Int
 from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = ["COMPONENTS", "Steps", "main"]
@@ -107,7 +106,7 @@ def closest_hit(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program) -> Hit
 def shade(ro: Vec3, rd: Vec3, hit: Hit, uniforms: Uniforms, program: Program, every_shadow: bool) -> Steps:
     """Position, normal, light and colour of the surface that the ray meets at `hit`."""
     hit_point = ro + hit.t * rd
-    N, albedo = normal_and_color(hit_point, hit.index, uniforms, program)
+    N, albedo = normal_and_color(hit_point, hit, uniforms, program)
     if program.lighting == "off":
         zero = constant(0, hit.t)
         light = Light(zero, zero, zero, Vec3(zero, zero, zero))
@@ -126,26 +125,28 @@ def shade(ro: Vec3, rd: Vec3, hit: Hit, uniforms: Uniforms, program: Program, ev
     )
 
 
-def normal_and_color(point: Vec3, index: Int, uniforms: Uniforms, program: Program) -> tuple[Vec3, Vec3]:
-    """Unit normal and colour of the surface number `index` at `point`, which lies on it."""
+def normal_and_color(point: Vec3, hit: Hit, uniforms: Uniforms, program: Program) -> tuple[Vec3, Vec3]:
+    """Unit normal and colour of the surface that is hit at `point`, which lies on it."""
     spheres, planes = uniforms.spheres, uniforms.planes
 
-    def on_sphere(point, index):
+    def on_sphere(point, t, index):
         sphere = at(spheres, index)
         return normalize(point - sphere.center), sphere.color
 
-    def on_plane(point, index):
+    def on_plane(point, t, index):
         plane = at(planes, index - count(spheres))
         edges = program.antialias == "edges"
         # On spheres it is a jet there.
         normal = array_map(jet, plane.normal) if edges else plane.normal
         if not program.patterned:
             return normal, plane.even
-        pattern = checkerboard_mean if edges else checkerboard
-        return normal, pattern(point, plane.tile_size, plane.even, plane.odd, plane.line)
+        pattern = plane.tile_size, plane.even, plane.odd, plane.line
+        if edges:
+            return normal, checkerboard_mean(point, t, not program.orthographic, *pattern)
+        return normal, checkerboard(point, *pattern)
 
     if planes is None:
-        return on_sphere(point, index)
+        return on_sphere(point, *hit)
     if spheres is None:
-        return on_plane(point, index)
-    return branch(index < count(spheres), on_sphere, on_plane, point, index)
+        return on_plane(point, *hit)
+    return branch(hit.index < count(spheres), on_sphere, on_plane, point, *hit)

@@ -25,9 +25,9 @@ STEPS = ("t", "index", "shadow", "linear", "display")
 SMALL = Staged(block=256)
 
 
-def both(scene, size=SIZE, intersection="robust", dtype="float32", engine=SMALL, keep=STEPS, shadow_start="offset"):
+def both(scene, size=SIZE, intersection="robust", dtype="float32", engine=SMALL, keep=STEPS, **choices):
     """The steps with and without skipping."""
-    uniforms, program = uniforms_of(scene, size[0] / size[1]), program_of(scene, intersection, shadow_start)
+    uniforms, program = uniforms_of(scene, size[0] / size[1]), program_of(scene, intersection, **choices)
     job = Job(program, Frame(*size), keep, dtype, engine=engine)
     return tuple(
         {
@@ -60,6 +60,12 @@ def test_the_textbooks_formula(name, dtype):
 @pytest.mark.parametrize("name", ["checkerboard", "shadow-of-a-plane", "two-hundred-spheres"])
 def test_shadow_rays_that_start_on_the_surface(name):
     assert_same_bits(*both(raytrace.load_scene(name), shadow_start="surface"))
+
+
+@pytest.mark.parametrize("name", ["checkerboard", "orthographic", "two-hundred-spheres"])
+def test_edges(name):
+    """What a pixel may see of a sphere beside it is not skipped either."""
+    assert_same_bits(*both(raytrace.load_scene(name), keep=("linear",), antialias="edges"))
 
 
 @pytest.mark.slow

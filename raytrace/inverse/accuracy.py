@@ -1,0 +1,83 @@
+"""How right the derivatives of an image are: against differences of images with very many samples."""
+
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from raytrace.inverse.worlds import PARAMETERS, random_world
+from raytrace.rendering import render
+from raytrace.scene.data import Scene
+
+__all__ = ["PARAMETERS", "Error", "errors", "random_world"]
+
+#: Sides of the blocks of pixels whose sums are compared.
+BLOCK = 12
+#: A difference counts samples that an edge has passed; the mean over several steps counts them better.
+STEPS = (0.5, 0.75, 1.0)
+
+
+class Error(NamedTuple):
+    """Of a derivative, relative to the reference.
+
+    total: of the sum over the image. blocks: of the sums over blocks, the sum of the absolute errors. cancelled: the
+    share of the blocks' sums that is left in the total; the smaller, the harder the total is.
+    """
+
+    total: float
+    blocks: float
+    cancelled: float
+
+
+def errors(scene: Scene, parameter: str, size: tuple[int, int] = (192, 108), samples: int = 32) -> dict[str, Error]:
+    """The errors of the derivative of the display image by a parameter, with ``antialias`` "edges" and "none".
+
+    The reference are central differences of float64 images with samples x samples samples a pixel.
+    """
+    moved, step, _ = PARAMETERS[parameter]
+
+    def difference(h: float) -> np.ndarray:
+        ahead, back = (
+            render(moved(scene, sign * h), size, dtype="float64", samples=samples, exact_inputs=True)
+            for sign in (1, -1)
+        )
+        return _blocks((np.asarray(ahead) - np.asarray(back)) / (2 * h))
+
+    reference = np.mean([difference(share * step) for share in STEPS], 0)
+    found = {}
+    for antialias in ("edges", "none"):
+        slope = _blocks(derivative(scene, parameter, size, antialias))
+        size_of = np.abs(reference).sum()
+        found[antialias] = Error(
+            abs(slope.sum() - reference.sum()) / abs(reference.sum()),
+            np.abs(slope - reference).sum() / size_of,
+            abs(reference.sum()) / size_of,
+        )
+    return found
+
+
+def derivative(scene: Scene, parameter: str, size: tuple[int, int], antialias: str) -> np.ndarray:
+    """The derivative of the float64 image by the parameter, by forward mode."""
+    import jax
+
+    with jax.enable_x64(True):
+        return np.asarray(_derivative(parameter, size, antialias)(scene))
+
+
+@lru_cache
+def _derivative(parameter: str, size: tuple[int, int], antialias: str) -> Any:
+    import jax
+
+    moved = PARAMETERS[parameter].moved
+
+    def image(scene: Scene, h: Any) -> Any:
+        return render(moved(scene, h), size, dtype="float64", exact_inputs=True, antialias=antialias)
+
+    return jax.jit(lambda scene: jax.jvp(lambda h: image(scene, h), (0.0,), (1.0,))[1])
+
+
+def _blocks(image: np.ndarray) -> np.ndarray:
+    """The sums over blocks of the channels' mean."""
+    height, width = (side // BLOCK * BLOCK for side in image.shape[:2])
+    grey = image[:height, :width].mean(-1)
+    return grey.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK).sum((1, 3))

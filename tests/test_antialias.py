@@ -1,0 +1,91 @@
+"""Pixels as means over their squares: the image, and the derivatives of edges that move."""
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import raytrace
+from raytrace.errors import InputError
+from raytrace.inverse.accuracy import PARAMETERS, errors, random_world
+from tests.scenes import SEVERAL_SCENES
+
+SIZE = (96, 54)
+EXACT = {"backend": "numpy", "dtype": "float64"}
+
+
+def rms(image, reference):
+    return np.sqrt(np.mean((np.asarray(image) - np.asarray(reference)) ** 2))
+
+
+@pytest.mark.parametrize("name", [name for name in raytrace.scenes() if name != "skybox-linear"])
+def test_it_is_nearer_to_the_supersampled_image(name):
+    """Half the error of one sample, and that of four as well. (The sky alone has no edge.)"""
+    scene = raytrace.load_scene(name)
+    reference = raytrace.render(scene, SIZE, samples=16, **EXACT)
+    edges, one, four = (
+        rms(raytrace.render(scene, SIZE, **choice, **EXACT), reference)
+        for choice in ({"antialias": "edges"}, {}, {"samples": 2})
+    )
+    assert edges <= 0.5 * one
+    assert edges <= four
+
+
+def test_more_samples_come_nearer():
+    scene = raytrace.load_scene("checkerboard")
+    reference = raytrace.render(scene, SIZE, samples=32, **EXACT)
+    one, two, four = (
+        rms(raytrace.render(scene, SIZE, antialias="edges", samples=n, **EXACT), reference) for n in (1, 2, 4)
+    )
+    assert four < two < one
+
+
+@SEVERAL_SCENES
+def test_jax_is_numpy(name):
+    scene = raytrace.load_scene(name)
+    fast = raytrace.render(scene, SIZE, antialias="edges")
+    slow = raytrace.render(scene, SIZE, antialias="edges", intersection="robust", **EXACT)
+    assert np.mean(np.abs(np.asarray(fast) - slow).max(-1) > 1 / 255) < 0.002
+
+
+def test_linear_and_display_alone_are_means():
+    with pytest.raises(InputError, match="antialias: output 'steps'"):
+        raytrace.render("sphere", SIZE, output="steps", antialias="edges")
+    with pytest.raises(InputError, match="antialias: backend opengl has none"):
+        raytrace.render("sphere", SIZE, backend="opengl", antialias="edges")
+    with pytest.raises(InputError, match="antialias: unknown 'edge'; did you mean 'edges'"):
+        raytrace.render("sphere", SIZE, antialias="edge")
+
+
+def test_both_modes_agree():
+    """Reverse mode is made of forward mode; by the numbers of several leaves, and by a batch of directions."""
+    scene = raytrace.load_scene("shadows")
+
+    def brightness(direction, radius):
+        world = replace(
+            scene,
+            sun=replace(scene.sun, direction=direction),
+            spheres=replace(scene.spheres, radius=scene.spheres.radius + radius),
+        )
+        return raytrace.render(world, (32, 18), antialias="edges").mean()
+
+    at = jnp.array([1.0, 0.75, 1.0]), jnp.float32(0)
+    reverse = jax.jit(jax.grad(brightness, argnums=(0, 1)))(*at)
+    forward = jax.jit(jax.jacfwd(brightness, argnums=(0, 1)))(*at)
+    for a, b in zip(forward, reverse, strict=True):
+        assert np.isfinite(a).all()
+        np.testing.assert_allclose(a, b, rtol=2e-3, atol=1e-6)
+    assert np.abs(reverse[0]).max() > 1e-3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("parameter", ["sun azimuth", "sphere's x", "camera's y"])
+def test_the_derivative_is_that_of_the_supersampled_image(parameter):
+    """Of a small picture of one random world, beside which the usual derivative is far off."""
+    found = errors(random_world(3), parameter, size=(96, 48), samples=16)
+    assert found["edges"].total < 0.05
+    assert found["edges"].blocks < 0.1
+    assert found["none"].blocks > 2 * found["edges"].blocks
+    assert parameter in PARAMETERS
