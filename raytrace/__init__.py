@@ -4,6 +4,7 @@ from raytrace.certify import Certificate, Verification, certify, read_certificat
 from raytrace.compare import Comparison, compare
 from raytrace.errors import EngineFailure, InputError
 from raytrace.image import read_image, write_image
+from raytrace.inverse.fit import SunFit, fit_sun
 from raytrace.rendering import render
 from raytrace.scene import (
     Checkerboard,
@@ -41,10 +42,12 @@ __all__ = [
     "Sky",
     "Spheres",
     "Sun",
+    "SunFit",
     "Verification",
     "certify",
     "check_scene",
     "compare",
+    "fit_sun",
     "load_scene",
     "read_certificate",
     "read_image",

@@ -4,6 +4,7 @@ import gc
 import sys
 from pathlib import Path
 
+import jaxtyping
 import pytest
 from hypothesis import HealthCheck, settings
 
@@ -29,6 +30,15 @@ def not_too_many_programs():
     if "jax" in sys.modules and maps.exists() and maps.read_text().count("\n") > 30_000:
         sys.modules["jax"].clear_caches()
         gc.collect()
+
+
+@pytest.fixture(autouse=True)
+def types_are_checked(request):
+    """In all but slow tests, and those that are marked so: the checks take several times as long as what they check."""
+    unchecked = any(map(request.node.get_closest_marker, ("slow", "unchecked")))
+    jaxtyping.config.update("jaxtyping_disable", unchecked)
+    yield
+    jaxtyping.config.update("jaxtyping_disable", False)
 
 
 @pytest.fixture(params=["opengl", "webgl"])

@@ -13,6 +13,7 @@ from raytrace.cli.certify import certify, verify
 from raytrace.cli.compare import compare
 from raytrace.cli.export import export
 from raytrace.cli.golden import check, golden
+from raytrace.cli.inverse import fit_sun, gradients
 from raytrace.cli.mutants import mutants
 from raytrace.cli.render import pixel, render
 from raytrace.cli.scenes import list_scenes, show
@@ -41,6 +42,8 @@ app.command()(check)
 app.command()(certify)
 app.command()(verify)
 app.command()(mutants)
+app.command()(fit_sun)
+app.command()(gradients)
 
 
 @app.callback(invoke_without_command=True)

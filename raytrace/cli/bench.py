@@ -6,13 +6,11 @@ from typing import Annotated, Any
 
 import typer
 
-from raytrace.cli.options import Size, progress, size_of
+from raytrace.cli.options import Size, check_plot, progress, size_of
 from raytrace.errors import InputError
 from raytrace.scene.toml import DEFAULT_SCENE
 
 __all__ = ["bench"]
-
-ENDINGS = (".svg", ".png")
 
 
 def bench(
@@ -49,8 +47,7 @@ def bench(
         raise InputError(f"{' and '.join(chosen)}: one at a time")
     if plot and (figures or scenes or roofline):
         raise InputError(f"--plot: there is none with {chosen[0]}")
-    if plot and plot.suffix not in ENDINGS:
-        raise InputError(f"{plot}: the plot must be named *.svg or *.png")
+    check_plot(plot)
     shape = size_of(size)
     if scaling:
         _scaling(scaling, shape, runs, as_json, plot)

@@ -25,6 +25,7 @@ __all__ = [
     "Size",
     "Skip",
     "TimeLimit",
+    "check_plot",
     "progress",
     "size_of",
 ]
@@ -60,6 +61,12 @@ def size_of(text: str) -> tuple[int, int]:
         raise InputError(f"size: must be WIDTHxHEIGHT, such as 1920x1080, found {text!r}") from None
     check_size(size)
     return size
+
+
+def check_plot(path: Path | None) -> None:
+    """Before anything is measured: whether a plot can have that name."""
+    if path and path.suffix not in (".svg", ".png"):
+        raise InputError(f"{path}: the plot must be named *.svg or *.png")
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from raytrace.inverse.worlds import PARAMETERS, random_world
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 
-__all__ = ["PARAMETERS", "Error", "errors", "random_world"]
+__all__ = ["PARAMETERS", "Error", "errors", "random_world", "table"]
 
 #: Sides of the blocks of pixels whose sums are compared.
 BLOCK = 12
@@ -21,12 +21,14 @@ class Error(NamedTuple):
     """Of a derivative, relative to the reference.
 
     total: of the sum over the image. blocks: of the sums over blocks, the sum of the absolute errors. cancelled: the
-    share of the blocks' sums that is left in the total; the smaller, the harder the total is.
+    share of the blocks' sums that is left in the total; the smaller, the harder the total is. noise: the standard error
+    of the reference's blocks, as `blocks`.
     """
 
     total: float
     blocks: float
     cancelled: float
+    noise: float
 
 
 def errors(scene: Scene, parameter: str, size: tuple[int, int] = (192, 108), samples: int = 32) -> dict[str, Error]:
@@ -43,15 +45,17 @@ def errors(scene: Scene, parameter: str, size: tuple[int, int] = (192, 108), sam
         )
         return _blocks((np.asarray(ahead) - np.asarray(back)) / (2 * h))
 
-    reference = np.mean([difference(share * step) for share in STEPS], 0)
+    differences = [difference(share * step) for share in STEPS]
+    reference, size_of = np.mean(differences, 0), np.abs(np.mean(differences, 0)).sum()
+    noise = np.std(differences, 0, ddof=1).sum() / np.sqrt(len(STEPS)) / size_of
     found = {}
     for antialias in ("edges", "none"):
         slope = _blocks(derivative(scene, parameter, size, antialias))
-        size_of = np.abs(reference).sum()
         found[antialias] = Error(
             abs(slope.sum() - reference.sum()) / abs(reference.sum()),
             np.abs(slope - reference).sum() / size_of,
             abs(reference.sum()) / size_of,
+            noise,
         )
     return found
 
@@ -81,3 +85,26 @@ def _blocks(image: np.ndarray) -> np.ndarray:
     height, width = (side // BLOCK * BLOCK for side in image.shape[:2])
     grey = image[:height, :width].mean(-1)
     return grey.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK).sum((1, 3))
+
+
+#: Where less than this share of the blocks' sums is left in the total, that is nearly a difference of equals.
+LEFT = 0.25
+
+
+def table(found: dict[str, list[dict[str, Error]]]) -> str:
+    """The errors of several worlds for each parameter, as text, in percent: medians, and the worst.
+
+    The total is told of those worlds where it is no difference of nearly equal sums.
+    """
+    lines = [
+        "in percent: median (worst)      total      blocks   reference's own   without edges: total      blocks",
+    ]
+    for name, each in found.items():
+        whole = [of for of in each if of["edges"].cancelled >= LEFT]
+        cells = []
+        for antialias, fields in (("edges", ("total", "blocks", "noise")), ("none", ("total", "blocks"))):
+            for field in fields:
+                values = [100 * getattr(of[antialias], field) for of in (whole if field == "total" else each)]
+                cells.append(f"{np.median(values):.1f} ({max(values):.1f})" if values else "-")
+        lines.append(f"{name:20}" + "".join(f"{cell:>16}" for cell in cells) + f"   {len(whole)}/{len(each)} totals")
+    return "\n".join(lines)

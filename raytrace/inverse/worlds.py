@@ -11,22 +11,32 @@ from raytrace.scene.sun import sun_angles, sun_direction
 
 __all__ = ["PARAMETERS", "Parameter", "random_world"]
 
+#: Within so many degrees of the middle of the picture a sphere is taken to be seen.
+SEEN = 25.0
+
 
 def random_world(seed: int) -> Scene:
-    """Six spheres of radius 0.2 to 0.9 on or above the ground, seen from above, and a sun at 20 to 75 degrees."""
+    """Six spheres of radius 0.2 to 0.9 on or above the ground, seen from above, and a sun at 20 to 75 degrees.
+
+    The spheres that are seen come first, the nearest of them before the others.
+    """
     random = np.random.default_rng(seed)
     n = 6
     radius = random.uniform(0.2, 0.9, n)
     height = radius - 0.5 + random.uniform(-0.1, 0.8, n)
     center = np.stack([random.uniform(-2.5, 2.5, n), height, random.uniform(-4, -0.8, n)], -1)
+    albedo = random.uniform(0.2, 0.9, (n, 3))
+    sun = Sun(direction=sun_direction(random.uniform(-180, 180), random.uniform(20, 75)))
+    position = random.uniform([-1, 0.3, 1.5], [1, 1.5, 2.5])
+    target = random.uniform([-0.5, -0.3, -2], [0.5, 0.3, -2])
+    away, ahead = center - position, (target - position) / np.linalg.norm(target - position)
+    distance = np.linalg.norm(away, axis=-1)
+    order = np.lexsort([distance, away @ ahead < np.cos(np.radians(SEEN)) * distance])
     return Scene(
-        spheres=Spheres(center, radius, random.uniform(0.2, 0.9, (n, 3))),
+        spheres=Spheres(center[order], radius[order], albedo[order]),
         planes=(Plane(),),
-        sun=Sun(direction=sun_direction(random.uniform(-180, 180), random.uniform(20, 75))),
-        camera=PerspectiveCamera(
-            position=random.uniform([-1, 0.3, 1.5], [1, 1.5, 2.5]),
-            target=random.uniform([-0.5, -0.3, -2], [0.5, 0.3, -2]),
-        ),
+        sun=sun,
+        camera=PerspectiveCamera(position=position, target=target),
     )
 
 
@@ -77,12 +87,12 @@ def _raised(scene: Scene, h: Any) -> Scene:
 
 #: Degrees for the sun's angles, lengths for the rest.
 PARAMETERS = {
-    "sun azimuth": Parameter(_turned(1, 0), 0.2, sun=True),
-    "sun elevation": Parameter(_turned(0, 1), 0.2, sun=True),
-    "sphere's x": Parameter(_sphere(0, (1, 0, 0)), 0.005),
-    "sphere's z": Parameter(_sphere(1, (0, 0, 1)), 0.01),
-    "sphere's radius": Parameter(_sphere(2, radius=1), 0.005),
-    "camera's x": Parameter(_camera(1, 0, 0), 0.004),
-    "camera's y": Parameter(_camera(0, 1, 0), 0.004),
+    "sun azimuth": Parameter(_turned(1.0, 0.0), 0.2, sun=True),
+    "sun elevation": Parameter(_turned(0.0, 1.0), 0.2, sun=True),
+    "sphere's x": Parameter(_sphere(0, (1.0, 0.0, 0.0)), 0.005),
+    "sphere's z": Parameter(_sphere(1, (0.0, 0.0, 1.0)), 0.01),
+    "sphere's radius": Parameter(_sphere(2, radius=1.0), 0.005),
+    "camera's x": Parameter(_camera(1.0, 0.0, 0.0), 0.004),
+    "camera's y": Parameter(_camera(0.0, 1.0, 0.0), 0.004),
     "plane's height": Parameter(_raised, 0.004),
 }

@@ -9,6 +9,7 @@ Source: The OpenGL ES Shading Language 3.00, chapters 5 (operators) and 8 (built
 
 import operator
 from collections import namedtuple
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -175,15 +176,15 @@ def _of_moderate_length(v: Vec3) -> Vec3:
 
 def select(condition: Array, then: Any, other: Any) -> Any:
     """`then` where `condition` holds, else `other`: planes, scalars, or equal structures of them."""
+    return array_map(partial(_selected, condition), then, other)
 
-    def leaf(a, b):
-        jet = next((x for x in (a, b) if isinstance(x, Jet)), None)
-        if jet is not None:
-            return namespace(jet).where(condition, a, b)
-        like = a if hasattr(a, "__array_namespace__") else b
-        return namespace(condition).where(condition, lift(a, like), lift(b, like))
 
-    return array_map(leaf, then, other)
+def _selected(condition: Array, a: Any, b: Any) -> Any:
+    jet = next((x for x in (a, b) if isinstance(x, Jet)), None)
+    if jet is not None:
+        return namespace(jet).where(condition, a, b)
+    like = a if hasattr(a, "__array_namespace__") else b
+    return namespace(condition).where(condition, lift(a, like), lift(b, like))
 
 
 def minimum(a: Any, b: Any) -> Any:

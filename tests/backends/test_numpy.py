@@ -18,6 +18,8 @@ from tests.processes import peak_memory
 from tests.scenes import SEVERAL_SCENES
 from tests.strategies import scenes
 
+pytestmark = pytest.mark.unchecked
+
 SIZE = (96, 55)
 
 

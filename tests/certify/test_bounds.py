@@ -9,6 +9,8 @@ from raytrace.scene import scenes
 from tests.engines import need
 from tests.scenes import SEVERAL_SCENES
 
+pytestmark = pytest.mark.unchecked
+
 SIZE = (96, 54)
 SMALL = (48, 27)
 A_FEW = ("checkerboard", "inside-a-sphere", "orthographic", "overlapping-spheres", "sun-in-the-picture")

@@ -8,7 +8,9 @@ So the derivative of an image along a direction is a primitive of its own: it is
 transpose runs it along each number's axis.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import partial
 from typing import Any
 
@@ -18,10 +20,23 @@ from jax.custom_derivatives import SymbolicZero
 from jax.extend.core import ClosedJaxpr, Primitive, jaxpr_as_fun
 from jax.interpreters import ad, batching, mlir
 
-__all__ = ["by_forward_mode"]
+__all__ = ["by_forward_mode", "forward_mode_only"]
 
 #: So many directions are followed at a time.
 TOGETHER = 8
+
+
+_only: ContextVar[bool] = ContextVar("raytrace_forward_mode_only", default=False)
+
+
+@contextmanager
+def forward_mode_only() -> Iterator[None]:
+    """Within this context nobody asks for reverse mode: an image and its derivatives are one program."""
+    token = _only.set(True)
+    try:
+        yield
+    finally:
+        _only.reset(token)
 
 
 def by_forward_mode(function: Callable, numbers: Any) -> Any:
@@ -29,6 +44,8 @@ def by_forward_mode(function: Callable, numbers: Any) -> Any:
 
     function: gives a structure of arrays, holds no traced value, and is not differentiated twice.
     """
+    if _only.get():
+        return function(numbers)
     leaves, tree = jax.tree.flatten(numbers)
     # As JAX's own text, so that the compiler sees which devices the primitive runs on.
     text, shapes = jax.make_jaxpr(lambda *leaves: function(tree.unflatten(leaves)), return_shape=True)(*leaves)

@@ -19,7 +19,7 @@ from raytrace.backends.jax.drawing import draw, engine_of, tiles_of
 from raytrace.backends.jax.forward import by_forward_mode
 from raytrace.backends.jax.packing import Layout, pack
 from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, culling
-from raytrace.backends.jax.stored import stored
+from raytrace.backends.jax.stored import choices_as_text, stored
 from raytrace.backends.job import Job
 from raytrace.errors import InputError
 from raytrace.shader.control import count
@@ -76,15 +76,13 @@ def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -
 
 def _name(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -> str | None:
     """What a program depends on, as text that is the same in another process; ``None`` where there is no such text."""
-    choices = vars(job.program).items()
-    named = {key: getattr(value, "__qualname__", value) for key, value in choices}
-    own = all(getattr(value, "__module__", "raytrace.").startswith("raytrace.") for _, value in choices)
-    if not own or job.engine is not None or jax.process_count() > 1:
+    choices = choices_as_text(job.program)
+    if choices is None or job.engine is not None or jax.process_count() > 1:
         return None
     shapes = jax.tree.map(lambda leaf: (leaf.shape, str(leaf.dtype)), culled)
     kinds = [(device.platform, device.id) for device in devices.devices.flat]
     # The layout's and the culling's trees say of every leaf whose it is.
-    return repr((named, job.frame, job.keep, job.dtype, rows, kinds, layout, shapes, sorted(OPTIONS.items())))
+    return repr((choices, job.frame, job.keep, job.dtype, rows, kinds, layout, shapes, sorted(OPTIONS.items())))
 
 
 def _given(x: Any, dtype: str, exact: bool) -> jax.Array:

@@ -24,8 +24,9 @@ from jax.experimental import serialize_executable
 import raytrace
 from raytrace.errors import InputError
 from raytrace.files import whole_file
+from raytrace.shader.uniforms import Program
 
-__all__ = ["stored"]
+__all__ = ["choices_as_text", "stored"]
 
 #: The most programs that are kept; those that were not used for longest go first.
 MOST = 64
@@ -66,6 +67,14 @@ def stored(name: str | None, compiled: Callable[[], Any]) -> Any:
             temporary.write_bytes(content)
         _prune(place)
     return program
+
+
+def choices_as_text(program: Program) -> str | None:
+    """A shader's program as a part of a name; ``None`` if it calls what is not this package's."""
+    choices = vars(program).items()
+    if not all(getattr(value, "__module__", "raytrace.").startswith("raytrace.") for _, value in choices):
+        return None
+    return repr({key: getattr(value, "__qualname__", value) for key, value in choices})
 
 
 def _prune(place: Path) -> None:

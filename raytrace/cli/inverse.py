@@ -1,0 +1,69 @@
+"""Commands that go from images back to scenes: `fit-sun`, and how right derivatives are, `gradients`."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from raytrace.cli.options import Changes, check_plot, progress
+from raytrace.errors import InputError
+from raytrace.scene.toml import DEFAULT_SCENE, load_scene
+
+__all__ = ["fit_sun", "gradients"]
+
+
+def fit_sun(
+    image: Annotated[Path, typer.Argument(help="A picture of the scene: PNG, EXR or TIFF, of display values.")],
+    scene: Annotated[str, typer.Option("--scene", help="A built-in scene's name or a TOML file.")] = DEFAULT_SCENE,
+    changes: Changes = [],  # noqa: B006 (typer's way)
+    exposure: Annotated[bool, typer.Option("--exposure", help="Find the exposure as well.")] = False,
+    starts: Annotated[int, typer.Option(help="Directions from which the descent starts.")] = 4,
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Also write the scene with that sun, TOML.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Also draw the way down, an .svg or .png file.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """The direction of the sun in a picture of a scene."""
+    from raytrace.inverse.fit import fit_sun as fitted
+    from raytrace.inverse.fit import fitted_scene, steps_of
+    from raytrace.inverse.plot import plot as plot_fit
+    from raytrace.scene.toml import save_scene
+
+    check_plot(plot)
+    known = load_scene(scene, changes)
+    with progress(steps_of(starts), "fitting") as advance:
+        found = fitted(image, known, exposure=exposure, starts=starts, progress=advance)
+    if out:
+        save_scene(fitted_scene(known, found), out)
+    if plot:
+        plot_fit(found, plot)
+    print(json.dumps(found.to_dict(), indent=1) if as_json else found)
+
+
+def gradients(
+    parameters: Annotated[
+        list[str] | None, typer.Option("--parameter", help="A parameter, such as 'sun azimuth'; repeatable.")
+    ] = None,
+    worlds: Annotated[int, typer.Option(help="How many random worlds.")] = 20,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """How right the image's derivatives are, with and without edges, against differences of supersampled images."""
+    from raytrace.inverse.accuracy import PARAMETERS, Error, errors, random_world, table
+
+    names = parameters or list(PARAMETERS)
+    for name in names:
+        if name not in PARAMETERS:
+            raise InputError(f"parameter: unknown {name!r}; there are {', '.join(PARAMETERS)}")
+    if worlds < 1:
+        raise InputError(f"worlds: must be 1 at least, found {worlds}")
+    found: dict[str, list[dict[str, Error]]] = {name: [] for name in names}
+    with progress(len(names) * worlds, "differentiating") as advance:
+        for name in names:
+            for seed in range(worlds):
+                found[name].append(errors(random_world(seed), name))
+                advance(1)
+    if as_json:
+        told = {name: [{k: e._asdict() for k, e in of.items()} for of in each] for name, each in found.items()}
+        print(json.dumps(told, indent=1))
+    else:
+        print(table(found))
