@@ -21,7 +21,9 @@ def test_a_parameter_changes_the_scene_in_proportion(parameter):
     world = random_world(0)
     moved, step, _ = PARAMETERS[parameter]
     once, twice = (
-        np.concatenate([np.ravel(b) - np.ravel(a) for a, b in zip(*map(jax.tree.leaves, (world, changed)), strict=True)])
+        np.concatenate(
+            [np.ravel(b) - np.ravel(a) for a, b in zip(*map(jax.tree.leaves, (world, changed)), strict=True)]
+        )
         for changed in (moved(world, 0.01 * step), moved(world, 0.02 * step))
     )
     assert np.abs(once).max() > 0
