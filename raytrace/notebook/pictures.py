@@ -21,9 +21,7 @@ def png(image: Any) -> bytes:
         return path.read_bytes()
 
 
-def pictures(
-    *images: Any, titles: tuple[str, ...] | list[str] = (), columns: int = 3, width: float = 10.0
-) -> "Pictures":
+def pictures(*images: Any, titles: tuple[str, ...] = (), columns: int = 3, width: float = 10.0) -> "Pictures":
     """Images beside each other, with a title each.
 
     images: arrays (height, width, 3), clipped to [0, 1], or (height, width), which are drawn in false colours with a

@@ -16,16 +16,15 @@ def test_random_worlds_are_scenes_whose_first_sphere_is_seen(seed):
     assert (index == 0).any()
 
 
+def changes(a, b):
+    return np.concatenate([np.ravel(y) - np.ravel(x) for x, y in zip(*map(jax.tree.leaves, (a, b)), strict=True)])
+
+
 @pytest.mark.parametrize("parameter", PARAMETERS)
 def test_a_parameter_changes_the_scene_in_proportion(parameter):
     world = random_world(0)
     moved, step, _ = PARAMETERS[parameter]
-    once, twice = (
-        np.concatenate(
-            [np.ravel(b) - np.ravel(a) for a, b in zip(*map(jax.tree.leaves, (world, changed)), strict=True)]
-        )
-        for changed in (moved(world, 0.01 * step), moved(world, 0.02 * step))
-    )
+    once, twice = (changes(world, moved(world, share * step)) for share in (0.01, 0.02))
     assert np.abs(once).max() > 0
     np.testing.assert_allclose(twice, 2 * once, rtol=1e-3, atol=1e-9)
 
