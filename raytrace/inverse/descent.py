@@ -2,19 +2,17 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from raytrace.inverse.shrunk import coarse, shrunk
+from raytrace.inverse.slopes import moved, sun_slopes
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 from raytrace.scene.sun import sun_angles
-from raytrace.uniforms import program_of
 
-__all__ = ["Course", "Descent", "moved"]
+__all__ = ["Course", "Descent"]
 
 #: Adam's first step, in radians, or stops.
 ADAM_RATE = 0.02
@@ -26,12 +24,6 @@ AROUND = 1e-3
 PIXELS = 192 * 108
 #: The sides of the squares of samples that a picture's pixels may have been made of.
 SAMPLINGS = (1, 2, 3, 4, 8, 16)
-
-
-def moved(scene: Scene, direction: Any, stops: Any) -> Scene:
-    """The scene with another sun, and another exposure if `stops` is not its own."""
-    film = scene.film if stops is scene.film.exposure else replace(scene.film, exposure=stops)
-    return replace(scene, sun=replace(scene.sun, direction=direction), film=film)
 
 
 class Course(NamedTuple):
@@ -134,13 +126,13 @@ class Descent:
         return difference, slopes.reshape(len(slopes), -1)
 
     def _drawn(self) -> tuple[np.ndarray, np.ndarray]:
-        given = self.scene, self.direction, _tangents(self.direction), np.float64(self.stops)
-        picture, slopes = _slopes_program(self.size, self.exposure, self.antialias, *given)(*given)
-        return np.asarray(picture, np.float64), np.asarray(slopes, np.float64)
+        lit = moved(self.scene, self.direction, self.stops)
+        picture, slopes = sun_slopes(lit, self.size, _tangents(self.direction), self.antialias)
+        return picture, slopes[: 2 + self.exposure]
 
     def _sampled(self, samples: int) -> np.ndarray:
         """The picture at the image's own size, with so many samples, and then its means."""
-        lit = moved(self.scene, self.direction, np.float64(self.stops))
+        lit = moved(self.scene, self.direction, self.stops)
         return shrunk(np.asarray(render(lit, self.image.shape[1::-1], samples=samples)), self.size)
 
     def _go(self, change: np.ndarray, axes: np.ndarray | None = None) -> None:
@@ -168,47 +160,3 @@ def _tangents(direction: np.ndarray) -> np.ndarray:
     first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(direction, first)])
-
-
-def _slopes_program(size: tuple[int, int], exposure: bool, antialias: str, scene: Scene, *numbers: Any) -> Any:
-    """The program of `_picture_and_slopes`, compiled or from the user's cache folder: it takes long to compile."""
-    import jax
-
-    from raytrace.backends.jax.stored import choices_as_text, stored
-
-    program = _picture_and_slopes(size, exposure, antialias)
-    choices = choices_as_text(program_of(scene, "robust", antialias=antialias))
-    if choices is None:
-        return program
-    shapes = [(np.shape(leaf), str(np.asarray(leaf).dtype)) for leaf in jax.tree.leaves(scene)]
-    name = repr((choices, jax.tree.structure(scene), shapes, size, exposure, jax.config.jax_enable_x64))
-    if name not in _programs:
-        _programs[name] = stored(name, lambda: program.lower(scene, *numbers).compile())
-    return _programs[name]
-
-
-_programs: dict[str, Any] = {}
-
-
-@lru_cache
-def _picture_and_slopes(size: tuple[int, int], exposure: bool, antialias: str) -> Callable:
-    """The picture and its derivatives along the tangents, and by the exposure, as one program."""
-    import jax
-    import jax.numpy as jnp
-
-    from raytrace.backends.jax.forward import forward_mode_only
-
-    @jax.jit
-    def program(scene: Scene, direction: Any, axes: Any, stops: Any) -> tuple:
-        def picture(change: Any) -> Any:
-            lit = moved(scene, direction + change[:2] @ axes, stops + change[2] if exposure else scene.film.exposure)
-            return render(lit, size, antialias=antialias)
-
-        here = jnp.zeros(2 + exposure)
-        with forward_mode_only():
-            picture_here, slopes = jax.vmap(lambda axis: jax.jvp(picture, (here,), (axis,)), out_axes=(None, 0))(
-                jnp.eye(len(here))
-            )
-        return picture_here, slopes
-
-    return program

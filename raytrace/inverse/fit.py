@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +10,9 @@ import numpy as np
 
 from raytrace.errors import InputError
 from raytrace.image import read_image
-from raytrace.inverse.descent import Course, Descent, moved
+from raytrace.inverse.descent import Course, Descent
 from raytrace.inverse.shrunk import coarse, shrunk
+from raytrace.inverse.slopes import moved
 from raytrace.rendering import render
 from raytrace.scene.check import check_scene
 from raytrace.scene.data import Scene
@@ -126,8 +127,7 @@ def steps_of(starts: int) -> int:
 
 def fitted_scene(scene: Scene, fit: SunFit) -> Scene:
     """The scene with the sun, and the exposure, that was found."""
-    film = replace(scene.film, exposure=np.float64(fit.exposure))
-    return replace(scene, sun=replace(scene.sun, direction=fit.direction), film=film)
+    return moved(scene, fit.direction, fit.exposure)
 
 
 def _checked(image: Any) -> np.ndarray:

@@ -85,14 +85,15 @@ def _raised(scene: Scene, h: Any) -> Scene:
     return replace(scene, planes=(replace(ground, point=ground.point + np.array([0.0, 1.0, 0.0]) * h),))
 
 
-#: Degrees for the sun's angles, lengths for the rest.
+#: Degrees for the sun's angles, lengths for the rest. The steps move edges by some tenth of a pixel: as tones are not
+#: linear in the light, an edge that moves further has another derivative.
 PARAMETERS = {
-    "sun azimuth": Parameter(_turned(1.0, 0.0), 0.2, sun=True),
-    "sun elevation": Parameter(_turned(0.0, 1.0), 0.2, sun=True),
-    "sphere's x": Parameter(_sphere(0, (1.0, 0.0, 0.0)), 0.005),
-    "sphere's z": Parameter(_sphere(1, (0.0, 0.0, 1.0)), 0.01),
-    "sphere's radius": Parameter(_sphere(2, radius=1.0), 0.005),
-    "camera's x": Parameter(_camera(1.0, 0.0, 0.0), 0.004),
-    "camera's y": Parameter(_camera(0.0, 1.0, 0.0), 0.004),
-    "plane's height": Parameter(_raised, 0.004),
+    "sun azimuth": Parameter(_turned(1.0, 0.0), 0.1, sun=True),
+    "sun elevation": Parameter(_turned(0.0, 1.0), 0.1, sun=True),
+    "sphere's x": Parameter(_sphere(0, (1.0, 0.0, 0.0)), 0.0025),
+    "sphere's z": Parameter(_sphere(1, (0.0, 0.0, 1.0)), 0.005),
+    "sphere's radius": Parameter(_sphere(2, radius=1.0), 0.0025),
+    "camera's x": Parameter(_camera(1.0, 0.0, 0.0), 0.003),
+    "camera's y": Parameter(_camera(0.0, 1.0, 0.0), 0.003),
+    "plane's height": Parameter(_raised, 0.003),
 }

@@ -69,6 +69,6 @@ def check(image: Any, scene: Scene | str | Path) -> Answer:
 def _hint(compared: Comparison) -> str:
     if compared.diagnosis is not None:
         return f"this is {compared.diagnosis.mistake}"
-    parts = sorted(compared.regions, key=lambda part: -part.over)
+    parts = sorted(compared.regions, key=lambda part: (-part.over, not part.name.startswith("shadow")))
     where = "" if not parts else f", most of them of: {parts[0].name}"
     return f"{compared.over} of {compared.size[0] * compared.size[1]} pixels are off by more than 1/255{where}"

@@ -171,3 +171,22 @@ def test_memory_does_not_grow_with_the_height(tmp_path):
     render = ("-m", "raytrace", "render", "-o", str(tmp_path / "a.exr"), "--size")
     short, tall = (peak_memory(*render, f"2048x{rows}") for rows in (4096, 28672))
     assert tall - short < 0.2 * 2**30
+
+
+def test_what_is_made_of_traced_images_does_not_wait_for_ever():
+    """A mean and its derivative, many times in flight: with the image on several devices XLA's threads ran out."""
+    code = (
+        "import jax\n"
+        "jax.config.update('jax_num_cpu_devices', 2)\n"
+        "import jax.numpy as jnp, numpy as np, raytrace\n"
+        "from dataclasses import replace\n"
+        "scene = raytrace.load_scene('checkerboard')\n"
+        "def loss(azimuth):\n"
+        "    sun = replace(scene.sun, direction=raytrace.sun_direction(azimuth, 36.9))\n"
+        "    return jnp.mean(raytrace.render(replace(scene, sun=sun), (192, 108)) ** 2)\n"
+        "program = jax.jit(lambda azimuth: jax.jvp(loss, (azimuth,), (1.0,)))\n"
+        "for _ in range(5): found = np.array([program(135.0 + k) for k in range(60)])\n"
+        "assert len(jax.devices()) == 2\n"
+        "assert np.isfinite(found).all()\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=100)

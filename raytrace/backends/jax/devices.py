@@ -10,7 +10,7 @@ from jax.sharding import Mesh
 
 from raytrace.cores import cores
 
-__all__ = ["AXIS", "ask_for_all_cores", "fetched", "mesh"]
+__all__ = ["AXIS", "ask_for_all_cores", "fetched", "mesh", "one_device"]
 
 #: The name of the mesh's one axis.
 AXIS = "device"
@@ -31,6 +31,12 @@ def mesh() -> Mesh:
     """All devices, those of other processes too; JAX's default device alone if the user has chosen one."""
     default = jax.config.jax_default_device
     return Mesh(np.array(jax.devices() if default is None else [default]), (AXIS,))
+
+
+def one_device() -> Mesh:
+    """JAX's default device, or the first one of this process."""
+    default = jax.config.jax_default_device
+    return Mesh(np.array([jax.local_devices()[0] if default is None else default]), (AXIS,))
 
 
 def fetched(image: Any) -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 from jax import lax
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from raytrace.backends.jax.devices import ask_for_all_cores, fetched, mesh
+from raytrace.backends.jax.devices import ask_for_all_cores, fetched, mesh, one_device
 from raytrace.backends.jax.drawing import draw, engine_of, tiles_of
 from raytrace.backends.jax.forward import by_forward_mode
 from raytrace.backends.jax.packing import Layout, pack
@@ -106,7 +106,8 @@ class Renderer:
     """A scene, ready to be rendered; see `raytrace.backends.Renderer`.
 
     The uniforms may be traced, as in a `jax.grad` of the image. Arrays are JAX's, but for float64 while JAX's
-    x64 mode is off: then they are NumPy's. Where there are several devices each has some columns of the image.
+    x64 mode is off: then they are NumPy's. Where there are several devices each has some columns of the image; a
+    traced one is drawn by one device.
 
     Raises:
         InputError: float64 is asked of a trace without x64.
@@ -123,9 +124,9 @@ class Renderer:
             raise InputError(
                 "dtype float64: JAX is tracing in 32 bit; set jax_enable_x64, or trace within jax.enable_x64(True)"
             )
-        self.devices = mesh()
-        if not isinstance(engine_of(job), Staged):
-            self.devices = Mesh(self.devices.devices[:1], self.devices.axis_names)
+        # What somebody makes of a traced image, such as its mean and the mean's derivative, has devices wait for each
+        # other in an order that XLA's threads may not keep: with as many threads as devices they wait for ever.
+        self.devices = mesh() if isinstance(engine_of(job), Staged) and not self.traced else one_device()
         if self.traced:
             self.uniforms = jax.tree.map(partial(_given, dtype=job.dtype, exact=job.exact_inputs), uniforms)
         else:
