@@ -5,6 +5,7 @@ from raytrace.compare import Comparison, compare
 from raytrace.errors import EngineFailure, InputError
 from raytrace.image import read_image, write_image
 from raytrace.inverse.fit import SunFit, fit_sun
+from raytrace.notebook import view
 from raytrace.rendering import render
 from raytrace.scene import (
     Checkerboard,
@@ -57,5 +58,6 @@ __all__ = [
     "sun_angles",
     "sun_direction",
     "verify",
+    "view",
     "write_image",
 ]

@@ -8,7 +8,9 @@ import jaxtyping
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.engines import need
+from raytrace.backends.gpu.drawing import Unavailable
+from raytrace.backends.gpu.webgl import chromium
+from tests.engines import need, skip_unless_required
 
 settings.register_profile(
     "raytrace", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow], print_blob=False
@@ -46,3 +48,19 @@ def engine(request):
     """The name of a graphics engine. Where it is missing the test is skipped, unless all are required."""
     need(request.param)
     return request.param
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Chromium. Where it is missing the test is skipped, unless all are required."""
+    try:
+        try:
+            from playwright.sync_api import sync_playwright
+        except ImportError:
+            raise Unavailable("needs Playwright: pip install playwright") from None
+        with sync_playwright() as playwright:
+            started = chromium(playwright)
+            yield started
+            started.close()
+    except Unavailable as missing:
+        skip_unless_required(missing)

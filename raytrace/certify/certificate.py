@@ -19,6 +19,7 @@ from raytrace.scene.toml import scene_from_toml
 from raytrace.shader.pixel import Frame
 from raytrace.shader.sphere import INTERSECTIONS
 from raytrace.shader.tree import tree_map
+from raytrace.tables import html_table, text_table
 from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["ASSUMPTIONS", "FORMULAS", "PRECISIONS", "Certificate", "certify", "read_certificate"]
@@ -98,19 +99,27 @@ class Certificate:
         counts = {name: int((open_ & (self.bounds.reason == i)).sum()) for i, name in enumerate(REASONS) if i}
         return counts | {"rounding to 8 bit": int((open_ & (self.bounds.reason == 0)).sum())}
 
-    def __str__(self) -> str:
+    def rows(self) -> list[tuple[str, str]]:
+        """The summary: what, and how much."""
         width, height = self.size
         formula = "" if self.precision == "real" else f", {self.intersection}"
         pixels, undecided = width * height, int((self.bounds.reason > 0).sum())
-        lines = [
-            f"{width}x{height}, precision {self.precision}{formula}",
-            f"8 bit values proven  {self.proven.mean():.6%}",
-            f"pixels undecided     {undecided} ({undecided / pixels:.4%})",
-            f"bounds over 1/255    {(self.width > 1 / 255).sum()} ({(self.width > 1 / 255).mean():.4%} of pixels)",
-            f"median width         {np.median(self.width):.2g}",
+        over = self.width > 1 / 255
+        return [
+            ("certificate", f"{width}x{height}, precision {self.precision}{formula}"),
+            ("8 bit values proven", f"{self.proven.mean():.6%}"),
+            ("pixels undecided", f"{undecided} ({undecided / pixels:.4%})"),
+            ("bounds over 1/255", f"{over.sum()} ({over.mean():.4%} of pixels)"),
+            ("median width", f"{np.median(self.width):.2g}"),
+            *(("not proven", f"{n} pixels: {why}") for why, n in self.reasons.items() if n),
+            *(("assumed", text) for text in self.assumptions),
         ]
-        lines += [f"not proven           {n} pixels: {why}" for why, n in self.reasons.items() if n]
-        return "\n".join([*lines, *(f"assumed              {text}" for text in self.assumptions)])
+
+    def __str__(self) -> str:
+        return text_table(self.rows())
+
+    def _repr_html_(self) -> str:
+        return html_table(self.rows())
 
     def to_dict(self) -> dict[str, Any]:
         """The summary as plain types, for JSON."""

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import dataclass, field
-from html import escape
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from raytrace.compare.inputs import comparable, of_8_bits
 from raytrace.compare.reference import Reference
 from raytrace.compare.regions import Region, regions
 from raytrace.scene import Scene
+from raytrace.tables import html_table, text_table
 
 __all__ = ["Comparison", "compare"]
 
@@ -108,13 +108,10 @@ class Comparison:
         return f"none of the usual ones explains the difference{hint}"
 
     def __str__(self) -> str:
-        rows = self.rows()
-        width = max(len(what) for what, _ in rows)
-        return "\n".join(f"{what:{width}}  {value}" for what, value in rows)
+        return text_table(self.rows())
 
     def _repr_html_(self) -> str:
-        rows = (f"<tr><th>{escape(what)}</th><td>{escape(value)}</td></tr>" for what, value in self.rows())
-        return f"<table>{''.join(rows)}</table>"
+        return html_table(self.rows())
 
 
 def compare(

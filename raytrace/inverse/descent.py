@@ -23,7 +23,7 @@ AROUND = 1e-3
 #: Of so many pixels is the picture that descends; the differences of a larger image are means over them.
 PIXELS = 192 * 108
 #: The sides of the squares of samples that a picture's pixels may have been made of.
-SAMPLINGS = (1, 2, 3, 4, 8, 16)
+SAMPLINGS = (1, 2, 4, 16)
 
 
 class Course(NamedTuple):

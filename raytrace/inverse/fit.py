@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from raytrace.compare.film import developed, film_of
 from raytrace.errors import InputError
 from raytrace.image import read_image
 from raytrace.inverse.descent import Course, Descent
@@ -147,15 +148,17 @@ def _checked(image: Any) -> np.ndarray:
 def _first_looks(small: np.ndarray, scene: Scene, exposure: bool, starts: int) -> list[tuple[np.ndarray, float]]:
     """The best directions, and exposures, of those that are looked at: evenly spread over the upper hemisphere."""
     size = small.shape[1], small.shape[0]
+    known = scene.sun.direction, float(scene.film.exposure)
+    films = {stops: film_of(moved(scene, known[0], stops)) for stops in (EXPOSURES if exposure else known[1:])}
     found = []
     for k in range(LOOKED_AT):
         height = (k + 0.5) / LOOKED_AT
         direction = sun_direction(k * 180 * (3 - math.sqrt(5)), math.degrees(math.asin(height)))
-        for stops in EXPOSURES if exposure else (scene.film.exposure,):
-            picture = render(moved(scene, direction, stops), size)
-            found.append((float(np.mean((np.asarray(picture) - small) ** 2)), direction, float(stops)))
+        linear = np.asarray(render(moved(scene, direction, known[1]), size, output="linear"), np.float64)
+        for stops, film in films.items():
+            found.append((float(np.mean((developed(linear, *film) - small) ** 2)), direction, stops))
     found.sort(key=lambda entry: entry[0])
-    if found[0][0] == found[-1][0]:
+    if len({loss for loss, _, _ in found}) <= len(films):
         raise InputError("scene: nothing that is seen of it depends on the sun")
     chosen: list[tuple[np.ndarray, float]] = []
     for _, direction, stops in found:

@@ -61,14 +61,15 @@ def check(image: Any, scene: Scene | str | Path) -> Answer:
         return Answer(False, f"{len(rows)} pixels are no numbers, the first at x {columns[0]}, y {rows[0]}")
     reference = render(scene, mine.shape[1::-1], backend="numpy", dtype="float64")
     compared = compare(reference, mine, scene=scene)
-    if not failures(compared, BOUNDS):
-        return Answer(True, "", compared)
-    return Answer(False, _hint(compared), compared)
+    failed = failures(compared, BOUNDS)
+    return Answer(not failed, _hint(compared, failed) if failed else "", compared)
 
 
-def _hint(compared: Comparison) -> str:
+def _hint(compared: Comparison, failed: list[str]) -> str:
     if compared.diagnosis is not None:
         return f"this is {compared.diagnosis.mistake}"
+    if not compared.over:
+        return f"no pixel is off by more than 1/255, but {'; '.join(failed)}"
     parts = sorted(compared.regions, key=lambda part: (-part.over, not part.name.startswith("shadow")))
     where = "" if not parts else f", most of them of: {parts[0].name}"
     return f"{compared.over} of {compared.size[0] * compared.size[1]} pixels are off by more than 1/255{where}"

@@ -224,6 +224,18 @@ class Scene(_Record):
         if isinstance(self.planes, list):
             object.__setattr__(self, "planes", tuple(self.planes))
 
+    def _repr_png_(self) -> bytes | None:
+        """The picture, as Jupyter shows it; of a scene that cannot be rendered, as it is traced or wrong, its text."""
+        # Upwards, and only when somebody looks.
+        from raytrace.errors import InputError
+        from raytrace.notebook.pictures import png
+        from raytrace.rendering import render
+
+        try:
+            return png(render(self, (480, 270)))
+        except (InputError, TypeError):
+            return None
+
 
 def concrete(record: Any) -> Any:
     """The same record with every array as a NumPy float64 array.

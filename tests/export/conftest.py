@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.backends.gpu.drawing import Unavailable
-from raytrace.backends.gpu.webgl import chromium
 from raytrace.export import EXPORTS
-from tests.engines import skip_unless_required
 
 #: Of the picture, and of the window, whose width it takes.
 SIZE = (320, 180)
@@ -61,22 +58,6 @@ class Shown:
 
     def slide(self, name, value):
         self.page.fill(f"#{name}", str(value))
-
-
-@pytest.fixture(scope="session")
-def browser():
-    """Chromium. Where it is missing the test is skipped, unless all are required."""
-    try:
-        try:
-            from playwright.sync_api import sync_playwright
-        except ImportError:
-            raise Unavailable("needs Playwright: pip install playwright") from None
-        with sync_playwright() as playwright:
-            started = chromium(playwright)
-            yield started
-            started.close()
-    except Unavailable as missing:
-        skip_unless_required(missing)
 
 
 @pytest.fixture
