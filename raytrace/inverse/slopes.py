@@ -39,8 +39,10 @@ _programs: dict[str, Any] = {}
 def _program(size: tuple[int, int], antialias: str, scene: Scene, axes: Any) -> Any:
     import jax
 
+    from raytrace.backends.jax.devices import ask_for_all_cores, one_device
     from raytrace.backends.jax.stored import choices_as_text, stored
 
+    ask_for_all_cores()
     program = _jitted(size, antialias)
     choices = choices_as_text(program_of(scene, "robust", antialias=antialias))
     if choices is None:
@@ -48,7 +50,8 @@ def _program(size: tuple[int, int], antialias: str, scene: Scene, axes: Any) -> 
     shapes = [(np.shape(leaf), str(np.asarray(leaf).dtype)) for leaf in jax.tree.leaves(scene)]
     name = repr((choices, jax.tree.structure(scene), shapes, size, jax.config.jax_enable_x64))
     if name not in _programs:
-        _programs[name] = stored(name, lambda: program.lower(scene, axes).compile())
+        devices = one_device().devices.flat
+        _programs[name] = stored(name, devices, lambda: program.lower(scene, axes).compile())
     return _programs[name]
 
 

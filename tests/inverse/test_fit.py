@@ -1,6 +1,9 @@
 """The sun from a picture."""
 
 import json
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -96,3 +99,23 @@ def test_a_coarser_image_of_twice_the_width():
     np.testing.assert_allclose(shrunk(image, (3, 2)), image.reshape(2, 2, 3, 2, 3).mean((1, 3)))
     assert coarse((1920, 1080), 192 * 108) == (192, 108)
     assert coarse((64, 36), 192 * 108) == (64, 36)
+
+
+def test_the_next_process_has_the_program_whatever_its_devices(tmp_path):
+    """The program is kept; it runs on one device where there are several, and the slopes are the same."""
+    code = (
+        "import sys, jax\n"
+        "jax.config.update('jax_num_cpu_devices', int(sys.argv[1]))\n"
+        "import numpy as np, raytrace\n"
+        "from raytrace.inverse.slopes import sun_slopes\n"
+        "np.save(sys.argv[2], sun_slopes(raytrace.load_scene('sphere'), (16, 16), np.eye(3)[:2])[1])\n"
+    )
+    env = os.environ | {"RAYTRACE_CACHE": str(tmp_path / "kept")}
+    found = []
+    for devices in ("2", "1", "2"):
+        path = str(tmp_path / "slopes.npy")
+        subprocess.run([sys.executable, "-c", code, devices, path], check=True, env=env, timeout=200)
+        found.append(np.load(path))
+    assert len(list((tmp_path / "kept").glob("*.program"))) == 1
+    np.testing.assert_array_equal(found[0], found[1])
+    np.testing.assert_array_equal(found[0], found[2])

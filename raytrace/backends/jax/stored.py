@@ -11,7 +11,7 @@ import hashlib
 import os
 import pickle
 import platform
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -44,11 +44,11 @@ def folder() -> Path | None:
     return Path(platformdirs.user_cache_dir("raytrace"))
 
 
-def stored(name: str | None, compiled: Callable[[], Any]) -> Any:
+def stored(name: str | None, devices: Sequence[jax.Device], compiled: Callable[[], Any]) -> Any:
     """The program called `name`, from the folder if it is there, else as `compiled` makes it, which is then kept.
 
     A name holds everything that the program depends on, but for the machine and the versions. ``None`` for a program
-    that has no such name. Whatever goes wrong with the folder, there is a program.
+    that has no such name. It runs on `devices`. Whatever goes wrong with the folder, there is a program.
     """
     place = None if name is None else folder()
     if place is None:
@@ -56,7 +56,9 @@ def stored(name: str | None, compiled: Callable[[], Any]) -> Any:
     digest = hashlib.sha256("\n".join([_here(), name]).encode()).hexdigest()
     path = place / f"{digest[:40]}.program"
     with suppress(Exception):  # no such file, or one that does not load
-        program = serialize_executable.deserialize_and_load(*pickle.loads(path.read_bytes()))
+        program = serialize_executable.deserialize_and_load(
+            *pickle.loads(path.read_bytes()), execution_devices=list(devices)
+        )
         os.utime(path)
         return program
     program = compiled()
