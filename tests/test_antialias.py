@@ -37,16 +37,14 @@ def test_it_is_nearer_to_the_supersampled_image(name):
 
 def test_more_samples_come_nearer():
     scene = raytrace.load_scene("checkerboard")
-    reference = raytrace.render(scene, (48, 27), samples=32, **EXACT)
-    one, two, three = (
-        rms(raytrace.render(scene, (48, 27), antialias="edges", samples=n, **EXACT), reference) for n in (1, 2, 3)
-    )
-    assert three < two < one
+    reference = raytrace.render(scene, (48, 27), samples=16, **EXACT)
+    one, two = (rms(raytrace.render(scene, (48, 27), antialias="edges", samples=n, **EXACT), reference) for n in (1, 2))
+    assert two < 0.7 * one
 
 
-@pytest.mark.parametrize("name", ["checkerboard", "two-tilted-planes"])
-def test_jax_is_numpy(name):
-    scene = raytrace.load_scene(name)
+@pytest.mark.slow
+def test_jax_is_numpy():
+    scene = raytrace.load_scene("two-tilted-planes")
     fast = raytrace.render(scene, SIZE, antialias="edges")
     slow = raytrace.render(scene, SIZE, antialias="edges", intersection="robust", **EXACT)
     assert np.mean(np.abs(np.asarray(fast) - slow).max(-1) > 1 / 255) < 0.002
@@ -83,10 +81,9 @@ def test_both_modes_agree():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("parameter", "total", "blocks"), [("sun azimuth", 0.02, 0.05), ("sphere's x", 0.05, 0.1)])
-def test_the_derivative_is_that_of_the_supersampled_image(parameter, total, blocks):
-    """Of a random world, beside which the usual derivative is far off."""
-    found = errors(random_world(1), parameter)
-    assert found["edges"].total < total
-    assert found["edges"].blocks < blocks
-    assert found["none"].blocks > 5 * blocks
+def test_the_derivative_is_that_of_the_supersampled_image():
+    """Of a random world by the sun's azimuth, where the usual derivative is far off: `raytrace gradients` has more."""
+    found = errors(random_world(1), "sun azimuth")
+    assert found["edges"].total < 0.02
+    assert found["edges"].blocks < 0.05
+    assert found["none"].blocks > 0.25

@@ -13,7 +13,7 @@ from raytrace.cli.certify import certify, verify
 from raytrace.cli.compare import compare
 from raytrace.cli.export import export
 from raytrace.cli.golden import check, golden
-from raytrace.cli.inverse import fit_sun, gradients
+from raytrace.cli.inverse import fit_sun, gradients, sun_trials
 from raytrace.cli.mutants import mutants
 from raytrace.cli.render import pixel, render
 from raytrace.cli.scenes import list_scenes, show
@@ -43,6 +43,7 @@ app.command()(certify)
 app.command()(verify)
 app.command()(mutants)
 app.command()(fit_sun)
+app.command()(sun_trials)
 app.command()(gradients)
 
 

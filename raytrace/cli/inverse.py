@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Changes, check_plot, progress
+from raytrace.cli.options import Changes, Scene, Size, check_plot, progress, size_of
 from raytrace.errors import InputError
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 
-__all__ = ["fit_sun", "gradients"]
+__all__ = ["fit_sun", "gradients", "sun_trials"]
 
 
 def fit_sun(
@@ -38,6 +38,26 @@ def fit_sun(
     if plot:
         plot_fit(found, plot)
     print(json.dumps(found.to_dict(), indent=1) if as_json else found)
+
+
+def sun_trials(
+    scene: Scene = DEFAULT_SCENE,
+    suns: Annotated[int, typer.Option(help="How many random suns.")] = 50,
+    size: Size = "192x108",
+    samples: Annotated[int, typer.Option(help="n for n x n samples a pixel of the images.")] = 1,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """How near fit-sun comes to random suns, from noisy images of 8 bits."""
+    from raytrace.inverse.trials import told, trials
+
+    if suns < 1:
+        raise InputError(f"suns: must be 1 at least, found {suns}")
+    known, shape, found = load_scene(scene), size_of(size), []
+    with progress(suns, "fitting") as advance:
+        for trial in trials(known, suns, shape, samples):
+            found.append(trial)
+            advance(1)
+    print(json.dumps([trial._asdict() for trial in found], indent=1) if as_json else told(found))
 
 
 def gradients(

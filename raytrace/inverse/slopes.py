@@ -50,7 +50,7 @@ def _program(size: tuple[int, int], antialias: str, scene: Scene, axes: Any) -> 
     shapes = [(np.shape(leaf), str(np.asarray(leaf).dtype)) for leaf in jax.tree.leaves(scene)]
     name = repr((choices, jax.tree.structure(scene), shapes, size, jax.config.jax_enable_x64))
     if name not in _programs:
-        devices = one_device().devices.flat
+        devices = list(one_device().devices.flat)
         _programs[name] = stored(name, devices, lambda: program.lower(scene, axes).compile())
     return _programs[name]
 

@@ -64,7 +64,8 @@ def test_shadow_rays_that_start_on_the_surface(name):
     assert_same_bits(*both(raytrace.load_scene(name), shadow_start="surface"))
 
 
-@pytest.mark.parametrize("name", ["checkerboard", "two-hundred-spheres"])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["two-hundred-spheres"])
 def test_edges(name):
     """What a pixel may see of a sphere beside it is not skipped either."""
     assert_same_bits(*both(raytrace.load_scene(name), keep=("linear",), antialias="edges"))

@@ -71,7 +71,7 @@ def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -
             jax.clear_caches()  # which hold those programs, too, that are no longer held here
         return _drawn_packed.lower(job, rows, devices, layout, numbers, culled, *scalars).compile()
 
-    return stored(_name(job, rows, devices, layout, culled), devices.devices.flat, compiled)
+    return stored(_name(job, rows, devices, layout, culled), list(devices.devices.flat), compiled)
 
 
 def _name(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -> str | None:

@@ -56,9 +56,7 @@ def stored(name: str | None, devices: Sequence[jax.Device], compiled: Callable[[
     digest = hashlib.sha256("\n".join([_here(), name]).encode()).hexdigest()
     path = place / f"{digest[:40]}.program"
     with suppress(Exception):  # no such file, or one that does not load
-        program = serialize_executable.deserialize_and_load(
-            *pickle.loads(path.read_bytes()), execution_devices=list(devices)
-        )
+        program = serialize_executable.deserialize_and_load(*pickle.loads(path.read_bytes()), execution_devices=devices)
         os.utime(path)
         return program
     program = compiled()
