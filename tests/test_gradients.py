@@ -86,8 +86,9 @@ def test_derivatives_are_finite_at_the_limits_of_size(size):
     assert_finite(gradient_of_any(scaled))
 
 
-@pytest.mark.parametrize("tone_mapper", ["aces", "reinhard", "hable", "none"])
-@pytest.mark.parametrize("transfer", ["gamma2.2", "srgb", "none"])
+@pytest.mark.parametrize(
+    ("tone_mapper", "transfer"), [("aces", "gamma2.2"), ("reinhard", "srgb"), ("hable", "none"), ("none", "gamma2.2")]
+)
 def test_white_is_white_at_the_limits_of_brightness(tone_mapper, transfer):
     """The brightest colours that validation admits, in float32: nothing overflows on the way, to black or below 0."""
     scene = raytrace.Scene(
@@ -121,7 +122,7 @@ def test_black_and_nearly_black_have_a_finite_derivative(tone_mapper, transfer):
 def test_a_black_image_has_finite_derivatives():
     black = raytrace.Sky(low=[0, 0, 0], high=[0, 0, 0], void=[0, 0, 0])
     scene = replace(raytrace.load_scene("checkerboard"), sky=black, sun=raytrace.Sun(color=[0, 0, 0]))
-    assert_finite(jax.grad(lambda scene: raytrace.render(scene, SIZE).sum())(scene))
+    assert_finite(gradient_of_any(scene))
 
 
 def lit_ball(x):
@@ -167,7 +168,7 @@ def test_forward_mode_is_reverse_mode():
 
 def test_loops_that_stay_loops_have_the_same_derivatives():
     """With many spheres the winner's body is run again for the derivative; with few, the loop is written out."""
-    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(12))
+    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(5))
 
     def brightness(scene, engine):
         uniforms, program = uniforms_of(scene, SIZE[0] / SIZE[1]), program_of(scene, "robust")

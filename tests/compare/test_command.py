@@ -9,6 +9,8 @@ import pytest
 import raytrace
 from tests.test_cli import raytrace_command, refused
 
+pytestmark = pytest.mark.unchecked
+
 SMALL = ["--size", "48x27"]
 
 

@@ -6,6 +6,8 @@ from raytrace.backends import BACKENDS, Backend
 from raytrace.compare import matrix
 from raytrace.errors import InputError
 
+pytestmark = pytest.mark.unchecked
+
 SIZE = 48, 27
 
 

@@ -7,6 +7,8 @@ import raytrace
 from raytrace.compare.metrics import pixels_over, similarity
 from raytrace.testing import goldens
 
+pytestmark = pytest.mark.unchecked
+
 #: Each is rendered once.
 EVERY = goldens()
 

@@ -19,6 +19,8 @@ from raytrace.image import read_metadata
 from raytrace.testing import goldens
 from tests.engines import need
 
+pytestmark = pytest.mark.unchecked
+
 COMMAND = [sys.executable, "-c", "from raytrace.cli import run; run()"]
 SIZE = (96, 54)
 SCENES = ("checkerboard", "skybox")

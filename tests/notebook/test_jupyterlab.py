@@ -69,8 +69,17 @@ def page(browser):
 
 
 def run(page, number):
-    page.locator(".jp-CodeCell .cm-content").nth(number).click()
-    page.keyboard.press("Shift+Enter")
+    """Run a cell, once the notebook listens: a key that is pressed while it is being built is lost."""
+    cell = page.locator(".jp-CodeCell").nth(number)
+    has_begun = cell.locator(".jp-InputPrompt").filter(has_not_text="[ ]")
+    for _ in range(10):
+        cell.locator(".cm-content").click()
+        page.keyboard.press("Shift+Enter")
+        for _ in range(10):
+            if has_begun.count():
+                return
+            time.sleep(0.5)
+    raise AssertionError(f"cell {number} does not run")
 
 
 class Picture:
