@@ -86,4 +86,5 @@ def test_the_derivative_is_that_of_the_supersampled_image():
     found = errors(random_world(1), "sun azimuth", samples=16)
     assert found["edges"].total < 0.02
     assert found["edges"].blocks < 0.05
+    assert found["edges, 4x4"].blocks < found["edges"].blocks
     assert found["none"].blocks > 0.25

@@ -10,6 +10,7 @@ from raytrace.bench.errors import reference
 from raytrace.bench.scaling import preparation
 from raytrace.bench.timing import in_turn
 from raytrace.errors import EngineFailure, InputError
+from raytrace.notebook import view
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
@@ -31,7 +32,7 @@ Frames = dict[str, Callable[[], Any]]
 
 def figures(size: tuple[int, int], runs: int) -> Iterator[Figure | str]:
     """The figures, and for those that cannot be had here a line that says why."""
-    for part in (_default_scene, _crowds, _gradient, _skybox, _numpy, _errors):
+    for part in (_default_scene, _crowds, _gradient, _skybox, _numpy, _view, _errors):
         try:
             yield from part(size, runs)
         except (InputError, EngineFailure, ImportError) as error:
@@ -128,6 +129,18 @@ def _numpy(size: tuple[int, int], runs: int) -> Iterator[Figure]:
         "jax64": lambda: render(DEFAULT_SCENE, size, dtype="float64"),
     }
     yield from _ratios(frames, runs, [("NumPy float64 / JAX float64", "numpy", "jax64", 6.0)])
+
+
+def _view(size: tuple[int, int], runs: int) -> Iterator[Figure]:
+    """The view:"""
+    seen = view(DEFAULT_SCENE, samples=1)
+
+    def dragged() -> Any:
+        seen.orbit(0.01, 0.0)
+        return seen.frame()
+
+    median = in_turn({"view": dragged}, runs)["view"].median
+    yield Figure("raytrace.view, 640x360: ms from a drag to its picture", median, 50, f"{1e3 / median:.0f} a second")
 
 
 def _errors(size: tuple[int, int], runs: int) -> Iterator[Figure]:

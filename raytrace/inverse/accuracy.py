@@ -5,16 +5,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from raytrace.inverse.differences import block_sums, difference
 from raytrace.inverse.worlds import PARAMETERS, random_world
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 
 __all__ = ["PARAMETERS", "Error", "errors", "random_world", "table"]
 
-#: Sides of the blocks of pixels whose sums are compared.
-BLOCK = 12
-#: A difference counts samples that an edge has passed; the mean over several steps counts them better.
-STEPS = (0.37, 0.46, 0.55, 0.64, 0.73, 0.82, 0.91, 1.0)
+#: What is compared: ``antialias``, and samples along a side of a pixel.
+CHOICES = {"edges": ("edges", 1), "edges, 4x4": ("edges", 4), "none": ("none", 1)}
 
 
 class Error(NamedTuple):
@@ -32,61 +31,45 @@ class Error(NamedTuple):
 
 
 def errors(scene: Scene, parameter: str, size: tuple[int, int] = (192, 108), samples: int = 32) -> dict[str, Error]:
-    """The errors of the derivative of the display image by a parameter, with ``antialias`` "edges" and "none".
+    """The errors of the derivative of the display image by a parameter, for each of `CHOICES`.
 
     The reference are central differences of float64 images with samples x samples samples a pixel.
     """
-    moved, step, _ = PARAMETERS[parameter]
-
-    def difference(h: float) -> np.ndarray:
-        ahead, back = (
-            render(moved(scene, sign * h), size, dtype="float64", samples=samples, exact_inputs=True)
-            for sign in (1, -1)
-        )
-        return _blocks((np.asarray(ahead) - np.asarray(back)) / (2 * h))
-
-    differences = [difference(share * step) for share in STEPS]
-    reference = np.mean(differences, 0)
+    reference = difference(scene, parameter, size, samples)
+    total = reference.blocks.sum()
     # A sphere that is not seen, nor its shadow, changes nothing.
-    size_of = np.abs(reference).sum() or np.nan
-    noise = np.std(differences, 0, ddof=1).sum() / np.sqrt(len(STEPS)) / size_of
+    size_of = np.abs(reference.blocks).sum() or np.nan
     found = {}
-    for antialias in ("edges", "none"):
-        slope = _blocks(derivative(scene, parameter, size, antialias))
-        found[antialias] = Error(
-            abs(slope.sum() - reference.sum()) / (abs(reference.sum()) or np.nan),
-            np.abs(slope - reference).sum() / size_of,
-            abs(reference.sum()) / size_of,
-            noise,
+    for name, (antialias, squares) in CHOICES.items():
+        slope = block_sums(derivative(scene, parameter, size, antialias, squares))
+        found[name] = Error(
+            abs(slope.sum() - total) / (abs(total) or np.nan),
+            np.abs(slope - reference.blocks).sum() / size_of,
+            abs(total) / size_of,
+            reference.error.sum() / size_of,
         )
     return found
 
 
-def derivative(scene: Scene, parameter: str, size: tuple[int, int], antialias: str) -> np.ndarray:
+def derivative(scene: Scene, parameter: str, size: tuple[int, int], antialias: str, samples: int = 1) -> np.ndarray:
     """The derivative of the float64 image by the parameter, by forward mode."""
     import jax
 
     with jax.enable_x64(True):
-        return np.asarray(_derivative(parameter, size, antialias)(scene))
+        moved = PARAMETERS[parameter].moved
+        here, along = jax.jvp(lambda h: jax.tree.map(jax.numpy.asarray, moved(scene, h)), (0.0,), (1.0,))
+        return np.asarray(_derivative(size, antialias, samples)(here, along))
 
 
 @lru_cache
-def _derivative(parameter: str, size: tuple[int, int], antialias: str) -> Any:
+def _derivative(size: tuple[int, int], antialias: str, samples: int) -> Any:
+    """One program for all parameters: the derivative along a direction in the space of scenes."""
     import jax
 
-    moved = PARAMETERS[parameter].moved
+    def image(scene: Scene) -> Any:
+        return render(scene, size, dtype="float64", exact_inputs=True, antialias=antialias, samples=samples)
 
-    def image(scene: Scene, h: Any) -> Any:
-        return render(moved(scene, h), size, dtype="float64", exact_inputs=True, antialias=antialias)
-
-    return jax.jit(lambda scene: jax.jvp(lambda h: image(scene, h), (0.0,), (1.0,))[1])
-
-
-def _blocks(image: np.ndarray) -> np.ndarray:
-    """The sums over blocks of the channels' mean."""
-    height, width = (side // BLOCK * BLOCK for side in image.shape[:2])
-    grey = image[:height, :width].mean(-1)
-    return grey.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK).sum((1, 3))
+    return jax.jit(lambda scene, along: jax.jvp(image, (scene,), (along,))[1])
 
 
 #: Where less than this share of the blocks' sums is left in the total, that is nearly a difference of equals.
@@ -94,20 +77,30 @@ LEFT = 0.25
 
 
 def table(found: dict[str, list[dict[str, Error]]]) -> str:
-    """The errors of several worlds for each parameter, as text, in percent: medians, and the worst.
+    """The errors of several worlds for each parameter, as text, in percent: medians, the worst, how many in the limits.
 
     The total is told of those worlds where it is no difference of nearly equal sums.
     """
-    lines = [
-        "in percent: median (worst)      total      blocks   reference's own   without edges: total      blocks",
-    ]
+    heads = f"{'median':>9}{'worst':>8}{'within':>9}"
+    lines = [f"{'in percent':14}{'total':>26}{'blocks':>29}", f"{'':14}{heads}   {heads}"]
     for name, every in found.items():
+        parameter = PARAMETERS[name]
         each = [of for of in every if not np.isnan(of["edges"].blocks)]
         whole = [of for of in each if of["edges"].cancelled >= LEFT]
-        cells = []
-        for antialias, fields in (("edges", ("total", "blocks", "noise")), ("none", ("total", "blocks"))):
-            for field in fields:
-                values = [100 * getattr(of[antialias], field) for of in (whole if field == "total" else each)]
-                cells.append(f"{np.median(values):.1f} ({max(values):.1f})" if values else "-")
-        lines.append(f"{name:20}" + "".join(f"{cell:>16}" for cell in cells) + f"   {len(whole)}/{len(each)} totals")
+        noise = 100 * np.median([of["edges"].noise for of in each]) if each else np.nan
+        limits = " and ".join(f"{100 * limit:.0f}" for limit in parameter.limits)
+        lines.append(f"{name}: within {limits}; the reference's own {noise:.1f}")
+        for choice in CHOICES:
+            cells = (
+                _cell([getattr(of[choice], field) for of in worlds], limit)
+                for field, worlds, limit in zip(("total", "blocks"), (whole, each), parameter.limits, strict=True)
+            )
+            lines.append(f"  {choice:12}" + "   ".join(cells))
     return "\n".join(lines)
+
+
+def _cell(errors: list[float], limit: float) -> str:
+    if not errors:
+        return f"{'-':>9}{'-':>8}{'-':>9}"
+    within = f"{np.count_nonzero(np.array(errors) <= limit)}/{len(errors)}"
+    return f"{100 * np.median(errors):>9.1f}{100 * max(errors):>8.1f}{within:>9}"

@@ -41,11 +41,14 @@ def random_world(seed: int) -> Scene:
 
 
 class Parameter(NamedTuple):
-    """A number of a scene: how to change it, and by how much a difference should. `sun`: whether it is the sun's."""
+    """A number of a scene: how to change it, by how much a difference should, and what errors a derivative may have.
+
+    limits: of the total and of the blocks' sums, relative.
+    """
 
     moved: Callable[[Scene, Any], Scene]
     step: float
-    sun: bool = False
+    limits: tuple[float, float] = (0.05, 0.1)
 
 
 def _turned(azimuth: float, elevation: float) -> Callable[[Scene, Any], Scene]:
@@ -85,15 +88,17 @@ def _raised(scene: Scene, h: Any) -> Scene:
     return replace(scene, planes=(replace(ground, point=ground.point + np.array([0.0, 1.0, 0.0]) * h),))
 
 
-#: Degrees for the sun's angles, lengths for the rest. The steps move edges by some tenth of a pixel: as tones are not
-#: linear in the light, an edge that moves further has another derivative.
+#: The sun's may err by less.
+SUN = (0.02, 0.05)
+#: Degrees for the sun's angles, lengths for the rest. The steps move edges by some tenths of a pixel at most: as tones
+#: are not linear in the light, an edge that moves further has another derivative.
 PARAMETERS = {
-    "sun azimuth": Parameter(_turned(1.0, 0.0), 0.1, sun=True),
-    "sun elevation": Parameter(_turned(0.0, 1.0), 0.1, sun=True),
+    "sun azimuth": Parameter(_turned(1.0, 0.0), 0.05, SUN),
+    "sun elevation": Parameter(_turned(0.0, 1.0), 0.05, SUN),
     "sphere's x": Parameter(_sphere(0, (1.0, 0.0, 0.0)), 0.0025),
     "sphere's z": Parameter(_sphere(1, (0.0, 0.0, 1.0)), 0.005),
     "sphere's radius": Parameter(_sphere(2, radius=1.0), 0.0025),
-    "camera's x": Parameter(_camera(1.0, 0.0, 0.0), 0.003),
-    "camera's y": Parameter(_camera(0.0, 1.0, 0.0), 0.003),
-    "plane's height": Parameter(_raised, 0.003),
+    "camera's x": Parameter(_camera(1.0, 0.0, 0.0), 0.01),
+    "camera's y": Parameter(_camera(0.0, 1.0, 0.0), 0.01),
+    "plane's height": Parameter(_raised, 0.01),
 }

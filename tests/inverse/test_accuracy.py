@@ -29,11 +29,20 @@ def test_a_parameter_changes_the_scene_in_proportion(parameter):
     np.testing.assert_allclose(twice, 2 * once, rtol=1e-3, atol=1e-9)
 
 
-def test_the_table_has_medians_and_the_worst():
+def test_the_table_has_medians_the_worst_and_how_many_are_within_the_limits():
     def entry(error, left):
-        return {"edges": Error(error, error / 2, left, 0.01), "none": Error(1.0, 0.5, left, 0.01)}
+        edges = Error(error, error / 2, left, 0.01)
+        return {"edges": edges, "edges, 4x4": edges, "none": Error(1.0, 0.5, left, 0.01)}
 
     text = table({"sun azimuth": [entry(0.01, 0.9), entry(0.03, 0.9), entry(0.5, 0.1)]})
-    assert "2.0 (3.0)" in text  # the total of the third world is a difference of nearly equal sums
-    assert "1.5 (25.0)" in text
-    assert "2/3 totals" in text
+    head, edges, finer, none = text.splitlines()[2:]
+    assert head == "sun azimuth: within 2 and 5; the reference's own 1.0"
+    # The total of the third world is a difference of nearly equal sums.
+    assert edges.split() == ["edges", "2.0", "3.0", "1/2", "1.5", "25.0", "2/3"]
+    assert finer.split()[2:] == edges.split()[1:]
+    assert none.split() == ["none", "100.0", "100.0", "0/2", "50.0", "50.0", "0/3"]
+
+
+def test_of_no_world_there_is_no_total():
+    nothing = Error(np.nan, np.nan, np.nan, np.nan)
+    assert "-" in table({"camera's x": [dict.fromkeys(("edges", "edges, 4x4", "none"), nothing)]})
