@@ -14,9 +14,9 @@ __all__ = ["Difference", "block_sums", "difference"]
 
 #: Sides of the blocks of pixels whose sums are compared.
 BLOCK = 12
-#: Shares of a parameter's step. A difference counts samples that an edge has passed; the mean over several steps, each
-#: with its samples elsewhere in the pixel, counts them better.
-STEPS = np.linspace(0.25, 1, 12)
+#: A difference counts samples that an edge has passed; the mean over steps from this share of a parameter's step up to
+#: the whole, each with its samples elsewhere in the pixel, counts them better.
+LEAST = 0.25
 #: Fractions whose multiples fill the unit square evenly: powers of the inverse of x**3 = x + 1.
 EVENLY = np.array([0.7548776662466927, 0.5698402909980532])
 
@@ -30,10 +30,10 @@ class Difference(NamedTuple):
 
 def difference(scene: Scene, parameter: str, size: tuple[int, int], samples: int) -> Difference:
     """Central differences of float64 display images with samples x samples samples a pixel, by one of `PARAMETERS`."""
-    moved, step, _ = PARAMETERS[parameter]
+    moved, step, _, number = PARAMETERS[parameter]
 
-    def slope(number: int, h: float) -> np.ndarray:
-        offset = (number * EVENLY % 1 - 0.5) / samples
+    def slope(turn: int, h: float) -> np.ndarray:
+        offset = (turn * EVENLY % 1 - 0.5) / samples
         ahead, back = (
             render(
                 _shifted(moved(scene, sign * h), offset, size),
@@ -46,8 +46,8 @@ def difference(scene: Scene, parameter: str, size: tuple[int, int], samples: int
         )
         return block_sums((np.asarray(ahead) - np.asarray(back)) / (2 * h))
 
-    slopes = [slope(number, share * step) for number, share in enumerate(STEPS)]
-    return Difference(np.mean(slopes, 0), np.std(slopes, 0, ddof=1) / np.sqrt(len(STEPS)))
+    slopes = [slope(turn, h) for turn, h in enumerate(step * np.linspace(LEAST, 1, number))]
+    return Difference(np.mean(slopes, 0), np.std(slopes, 0, ddof=1) / np.sqrt(number))
 
 
 def block_sums(image: np.ndarray) -> np.ndarray:

@@ -23,7 +23,7 @@ def changes(a, b):
 @pytest.mark.parametrize("parameter", PARAMETERS)
 def test_a_parameter_changes_the_scene_in_proportion(parameter):
     world = random_world(0)
-    moved, step, _ = PARAMETERS[parameter]
+    moved, step, *_ = PARAMETERS[parameter]
     once, twice = (changes(world, moved(world, share * step)) for share in (0.01, 0.02))
     assert np.abs(once).max() > 0
     np.testing.assert_allclose(twice, 2 * once, rtol=1e-3, atol=1e-9)
