@@ -1,6 +1,7 @@
 """The figures that this project set itself: ratios of medians, measured in turn in one run, and errors."""
 
 from collections.abc import Callable, Iterator
+from contextlib import redirect_stdout
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -133,7 +134,9 @@ def _numpy(size: tuple[int, int], runs: int) -> Iterator[Figure]:
 
 def _view(size: tuple[int, int], runs: int) -> Iterator[Figure]:
     """The view:"""
-    seen = view(DEFAULT_SCENE, samples=1)
+    # Outside a notebook jupyter_rfb prints what would be shown.
+    with redirect_stdout(None):
+        seen = view(DEFAULT_SCENE, samples=1)
 
     def dragged() -> Any:
         seen.orbit(0.01, 0.0)
