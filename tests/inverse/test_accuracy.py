@@ -1,10 +1,13 @@
 """Random worlds, and the table of errors."""
 
+from dataclasses import replace
+
 import jax
 import numpy as np
 import pytest
 
 import raytrace
+from raytrace.inverse import accuracy
 from raytrace.inverse.accuracy import PARAMETERS, Error, random_world, table
 
 
@@ -46,3 +49,17 @@ def test_the_table_has_medians_the_worst_and_how_many_are_within_the_limits():
 def test_of_no_world_there_is_no_total():
     nothing = Error(np.nan, np.nan, np.nan, np.nan)
     assert "-" in table({"camera's x": [dict.fromkeys(("edges", "edges, 4x4", "none"), nothing)]})
+
+
+def test_without_edges_the_usual_derivative_is_right(monkeypatch):
+    """A lit sphere from within its silhouette, by the sun's azimuth."""
+    monkeypatch.setattr(accuracy, "CHOICES", {"none": ("none", 4)})
+    world = replace(
+        raytrace.load_scene("lit-sphere"),
+        camera=raytrace.PerspectiveCamera((0, 0, 4), (0, 0, 0), field_of_view=10.0),
+    )
+    found = accuracy.errors(world, "sun azimuth", (48, 27), 4)["none"]
+    assert found.blocks < 5e-3
+    assert found.total < 5e-3
+    assert found.cancelled <= 1
+    assert found.noise < 5e-3
