@@ -18,6 +18,7 @@ from raytrace.shader.glsl import Vec3
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import FilmUniforms
 from raytrace.uniforms import program_of, uniforms_of
+from tests.scenes import SEVERAL_SCENES
 from tests.strategies import colors, directions, many, numbers, positions, spheres
 
 pytestmark = pytest.mark.unchecked
@@ -36,7 +37,7 @@ def gradient_of_any(scene):
     return jax.grad(lambda scene: raytrace.render(scene, SIZE).sum())(scene)
 
 
-@pytest.mark.parametrize("name", ["skybox", "sphere", "checkerboard", "huge-sphere-as-ground", "two-tilted-planes"])
+@SEVERAL_SCENES
 def test_every_derivative_is_finite(name):
     assert_finite(gradient_of_any(raytrace.load_scene(name)))
 

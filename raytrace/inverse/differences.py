@@ -58,7 +58,7 @@ def block_sums(image: np.ndarray) -> np.ndarray:
 
 
 def _shifted(scene: Scene, offset: np.ndarray, size: tuple[int, int]) -> Scene:
-    """The scene with its samples `offset` away, in pixels."""
+    """The scene, whose camera is a perspective one, with its samples `offset` away, in pixels."""
     width, height = size
     ndc_to_view, view_to_world = (np.array(columns).T for columns in uniforms_of(scene, width / height).camera)
     shift = np.eye(4)

@@ -50,8 +50,7 @@ def test_every_scene(name):
     scene = raytrace.load_scene(name)
     # Shadows as the picture needs them, and as the step 'shadow' asks for them at every pixel.
     assert_same_bits(*both(scene, keep=("linear", "index")))
-    if name == "checkerboard":
-        assert_same_bits(*both(scene))
+    assert_same_bits(*both(scene))
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64"])

@@ -1,7 +1,5 @@
 """Random worlds, and the table of errors."""
 
-from dataclasses import replace
-
 import jax
 import numpy as np
 import pytest
@@ -9,6 +7,7 @@ import pytest
 import raytrace
 from raytrace.inverse import accuracy
 from raytrace.inverse.accuracy import PARAMETERS, Error, random_world, table
+from tests.inverse.test_differences import within_a_silhouette
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -52,13 +51,8 @@ def test_of_no_world_there_is_no_total():
 
 
 def test_without_edges_the_usual_derivative_is_right(monkeypatch):
-    """A lit sphere from within its silhouette, by the sun's azimuth."""
     monkeypatch.setattr(accuracy, "CHOICES", {"none": ("none", 4)})
-    world = replace(
-        raytrace.load_scene("lit-sphere"),
-        camera=raytrace.PerspectiveCamera((0, 0, 4), (0, 0, 0), field_of_view=10.0),
-    )
-    found = accuracy.errors(world, "sun azimuth", (48, 27), 4)["none"]
+    found = accuracy.errors(within_a_silhouette(), "sun azimuth", (48, 27), 4)["none"]
     assert found.blocks < 5e-3
     assert found.total < 5e-3
     assert found.cancelled <= 1

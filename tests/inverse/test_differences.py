@@ -31,13 +31,17 @@ def test_sums_over_blocks():
     assert blocks[1, 2] == pytest.approx(image[12:24, 24:36].mean(-1).sum())
 
 
-def test_where_nothing_has_an_edge_it_is_the_derivative():
-    """A lit sphere from within its silhouette, by the sun's azimuth: the image is smooth but for the terminator."""
-    world = replace(
+def within_a_silhouette():
+    """A lit sphere that is all of the picture, which is smooth but for the terminator. The sun's vector is no unit."""
+    return replace(
         raytrace.load_scene("lit-sphere"),
         camera=raytrace.PerspectiveCamera((0, 0, 4), (0, 0, 0), field_of_view=10.0),
         sun=raytrace.Sun((0.3, 0.5, 1.0)),
     )
+
+
+def test_where_nothing_has_an_edge_it_is_the_derivative():
+    world = within_a_silhouette()
     found = difference(world, "sun azimuth", SIZE, 4)
     exact = block_sums(derivative(world, "sun azimuth", SIZE, "none", 4))
     largest = np.abs(exact).max()
