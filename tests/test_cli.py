@@ -16,19 +16,15 @@ import pytest
 import raytrace
 from raytrace.image import read_metadata
 from raytrace.scene import scene_hash
+from tests.processes import COMMAND, command, started
 
-COMMAND = [sys.executable, "-c", "from raytrace.cli import run; run()"]
 SMALL = ["--size", "32x18", "--backend", "numpy"]
-
-
-def raytrace_command(*args, **options):
-    return subprocess.run([*COMMAND, *args], capture_output=True, text=True, timeout=300, check=False, **options)
 
 
 def refused(*args, code=2):
     """What is said, in one line, on standard error; nothing else is printed and no file appears."""
     before = sorted(Path().iterdir())
-    done = raytrace_command(*args)
+    done = command(*args)
     assert done.returncode == code, done
     assert done.stdout == ""
     (line,) = done.stderr.splitlines()
@@ -38,7 +34,7 @@ def refused(*args, code=2):
 
 
 def test_render_without_arguments_makes_the_final_picture():
-    done = raytrace_command("render")
+    done = command("render")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert re.fullmatch(
@@ -52,7 +48,7 @@ def test_render_without_arguments_makes_the_final_picture():
 
 def test_files_say_where_they_come_from():
     changes = ["--set", "sun.direction=[0,1,0]", "--set", "film.exposure=1"]
-    done = raytrace_command("render", "shadows", "-o", "a.exr", *SMALL, "--dtype", "float64", *changes)
+    done = command("render", "shadows", "-o", "a.exr", *SMALL, "--dtype", "float64", *changes)
     assert done.returncode == 0, done.stderr
     scene = raytrace.load_scene("shadows", changes[1::2])
     metadata = read_metadata("a.exr")
@@ -72,28 +68,28 @@ def test_outputs_and_formats():
         (["-o", "a.tif", "--bits", "8"], lambda image: image.shape == (18, 32, 3)),
         (["-o", "b.png", "--bits", "16", "--samples", "3"], lambda image: image.shape == (18, 32, 3)),
     ]:
-        done = raytrace_command("render", *SMALL, *args)
+        done = command("render", *SMALL, *args)
         assert done.returncode == 0, done.stderr
         assert check(raytrace.read_image(args[1]))
 
 
 def test_scene_files_are_named_after():
     raytrace.save_scene(raytrace.load_scene("sphere"), "mine.toml")
-    assert raytrace_command("render", "mine.toml", *SMALL).stdout.startswith("mine.png: 32x18, numpy float32, ")
+    assert command("render", "mine.toml", *SMALL).stdout.startswith("mine.png: 32x18, numpy float32, ")
     assert Path("mine.png").exists()
 
 
 def test_scenes_lists_the_built_in_ones():
-    assert [line.split()[0] for line in raytrace_command("scenes").stdout.splitlines()] == list(raytrace.scenes())
+    assert [line.split()[0] for line in command("scenes").stdout.splitlines()] == list(raytrace.scenes())
 
 
 def test_show_is_a_scene_file():
-    Path("shown.toml").write_text(raytrace_command("show", "skybox", "--set", "film.exposure=2").stdout)
+    Path("shown.toml").write_text(command("show", "skybox", "--set", "film.exposure=2").stdout)
     assert raytrace.load_scene("shown.toml") == raytrace.load_scene("skybox", ["film.exposure=2"])
 
 
 def test_show_json_has_the_assignments_uniforms():
-    uniforms = json.loads(raytrace_command("show", "checkerboard", "--json", "--size", "200x100").stdout)
+    uniforms = json.loads(command("show", "checkerboard", "--json", "--size", "200x100").stdout)
     assert [x["value"] for x in uniforms["camPos"]] == [0, 0.5, 2]
     assert [x["value"] for x in uniforms["viewToWorld"]] == [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.5, 2, 1]
     tan = np.tan(np.radians(30))
@@ -107,7 +103,7 @@ def test_show_json_has_the_assignments_uniforms():
 
 
 def test_pixel_prints_every_step_with_its_glsl():
-    printed = raytrace_command("pixel", "checkerboard", "900", "700").stdout
+    printed = command("pixel", "checkerboard", "900", "700").stdout
     steps = raytrace.render("checkerboard", backend="numpy", dtype="float64", output="steps")
     for name, step in steps.items():
         assert re.search(rf"^{name} ", printed, re.MULTILINE)
@@ -115,52 +111,53 @@ def test_pixel_prints_every_step_with_its_glsl():
             for number in np.atleast_1d(step[700, 900]):
                 assert float(number).hex() in printed
     assert "spheres[sphereIndex].center" in printed
-    sky = raytrace_command("pixel", "checkerboard", "3", "3", *SMALL).stdout
+    sky = command("pixel", "checkerboard", "3", "3", *SMALL).stdout
     assert "backgroundColor(rd)" in sky
     assert "NdL" not in sky
 
 
 @pytest.mark.parametrize("dtype", ["float32", "longdouble"])
 def test_pixel_in_other_arithmetics(dtype):
-    done = raytrace_command("pixel", "checkerboard", "9", "15", *SMALL, "--dtype", dtype)
+    done = command("pixel", "checkerboard", "9", "15", *SMALL, "--dtype", dtype)
     assert done.returncode == 0, done.stderr
     assert f"numpy {dtype}: plane 0" in done.stdout
     assert (" + 0x" in done.stdout or " + -0x" in done.stdout) == (dtype == "longdouble")
 
 
-@pytest.mark.parametrize(
-    ("args", "told"),
-    [
-        (["rendre"], "No such command 'rendre'"),
-        (["render", "moon"], "moon: no such scene; built in: "),
-        (["render", "nowhere.toml"], "nowhere.toml: no such file"),
-        (["render", "--nonsense"], "No such option: --nonsense"),
-        (["render", "--size", "1920"], "size: must be WIDTHxHEIGHT"),
-        (["show", "--json", "--size", "0x0"], "size: must be (width, height)"),
-        (["bench", "--size", "0x0"], "size: must be (width, height)"),
-        (["render", "--bits", "0", *SMALL], "has no 0 bits a channel"),
-        (["render", "--size", "0x10"], "size: must be (width, height), each from 1 to 65536 pixels, found (0, 10)"),
-        (["render", "--size=-3x10"], "size: must be (width, height)"),
-        (["render", "--size", "70000x10"], "size: must be (width, height)"),
-        (["render", "--backend", "cuda"], "backend: unknown 'cuda'; there is: jax, numpy"),
-        (["render", "--dtype", "float16"], "dtype of backend jax: unknown 'float16'; did you mean 'float"),
-        (["render", "--dtype", "longdouble"], "dtype of backend jax: unknown 'longdouble'"),
-        (["render", "--output", "dispaly"], "output: unknown 'dispaly'; did you mean 'display'?"),
-        (["render", "--intersection", "exact"], "intersection: unknown 'exact'; there is: textbook, robust"),
-        (["render", "--samples", "0"], "samples: must be a whole number from 1 to 64, found 0"),
-        (["render", "--samples", "two"], "'--samples'"),
-        (["render", "-o", "a.exr", "--output", "steps", "--samples", "2"], "samples: output 'steps'"),
-        (["render", "-o", "a.bmp"], "a.bmp: unknown file ending '.bmp'; there is: .png, .exr, .tif, .tiff"),
-        (["render", "-o", "nowhere/a.png"], "nowhere/a.png: the folder nowhere does not exist"),
-        (["render", "-o", "/proc/a.png", *SMALL], "/proc/a.png: cannot be written: "),
-        (["render", "--output", "steps"], "checkerboard.png: output 'steps' has many layers, which only .exr can hold"),
-        (["render", "--set", "sun.direction=[0,0,0]"], "sun.direction: must not be the zero vector"),
-        (["render", "--set", "film.tone_mapper=acse"], "film.tone_mapper: must be "),
-        (["show", "--set", "sun"], "--set sun: must be key=value"),
-        (["pixel", "checkerboard", "1920", "0"], "pixel 1920 0: must be within 0 0 and 1919 1079"),
-        (["pixel", "checkerboard", "1"], "Missing argument"),
-    ],
-)
+#: Arguments of the command, and what it says of them.
+BAD_INPUT = [
+    (["rendre"], "No such command 'rendre'"),
+    (["render", "moon"], "moon: no such scene; built in: "),
+    (["render", "nowhere.toml"], "nowhere.toml: no such file"),
+    (["render", "--nonsense"], "No such option: --nonsense"),
+    (["render", "--size", "1920"], "size: must be WIDTHxHEIGHT"),
+    (["show", "--json", "--size", "0x0"], "size: must be (width, height)"),
+    (["bench", "--size", "0x0"], "size: must be (width, height)"),
+    (["render", "--bits", "0", *SMALL], "has no 0 bits a channel"),
+    (["render", "--size", "0x10"], "size: must be (width, height), each from 1 to 65536 pixels, found (0, 10)"),
+    (["render", "--size=-3x10"], "size: must be (width, height)"),
+    (["render", "--size", "70000x10"], "size: must be (width, height)"),
+    (["render", "--backend", "cuda"], "backend: unknown 'cuda'; there is: jax, numpy"),
+    (["render", "--dtype", "float16"], "dtype of backend jax: unknown 'float16'; did you mean 'float"),
+    (["render", "--dtype", "longdouble"], "dtype of backend jax: unknown 'longdouble'"),
+    (["render", "--output", "dispaly"], "output: unknown 'dispaly'; did you mean 'display'?"),
+    (["render", "--intersection", "exact"], "intersection: unknown 'exact'; there is: textbook, robust"),
+    (["render", "--samples", "0"], "samples: must be a whole number from 1 to 64, found 0"),
+    (["render", "--samples", "two"], "'--samples'"),
+    (["render", "-o", "a.exr", "--output", "steps", "--samples", "2"], "samples: output 'steps'"),
+    (["render", "-o", "a.bmp"], "a.bmp: unknown file ending '.bmp'; there is: .png, .exr, .tif, .tiff"),
+    (["render", "-o", "nowhere/a.png"], "nowhere/a.png: the folder nowhere does not exist"),
+    (["render", "-o", "/proc/a.png", *SMALL], "/proc/a.png: cannot be written: "),
+    (["render", "--output", "steps"], "checkerboard.png: output 'steps' has many layers, which only .exr can hold"),
+    (["render", "--set", "sun.direction=[0,0,0]"], "sun.direction: must not be the zero vector"),
+    (["render", "--set", "film.tone_mapper=acse"], "film.tone_mapper: must be "),
+    (["show", "--set", "sun"], "--set sun: must be key=value"),
+    (["pixel", "checkerboard", "1920", "0"], "pixel 1920 0: must be within 0 0 and 1919 1079"),
+    (["pixel", "checkerboard", "1"], "Missing argument"),
+]
+
+
+@pytest.mark.parametrize(("args", "told"), BAD_INPUT)
 def test_bad_input_is_one_line_and_exit_code_2(args, told):
     assert told in refused(*args)
 
@@ -211,34 +208,48 @@ def test_standard_output_may_be_full_or_closed():
 def test_an_interruption_leaves_nothing(backend, number, code, told):
     Path("checkerboard.png").write_text("mine")
     args = ["render", "--size", "16384x16384", "--backend", backend, "--samples", "4"]
-    process = subprocess.Popen([*COMMAND, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60
-    while len(list(Path().iterdir())) < 2 and time.monotonic() < deadline:
-        time.sleep(0.05)
-    time.sleep(4)
-    process.send_signal(number)
-    stdout, stderr = process.communicate(timeout=60)
+    with started([*COMMAND, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 60
+        while len(list(Path().iterdir())) < 2 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(2)
+        process.send_signal(number)
+        stdout, stderr = process.communicate(timeout=60)
     assert (process.returncode, stdout, stderr) == (code, "", told)
     assert [file.name for file in Path().iterdir()] == ["checkerboard.png"]
     assert Path("checkerboard.png").read_text() == "mine"
 
 
+@pytest.mark.parametrize(("name", "number"), [("INT", signal.SIGINT), ("TERM", signal.SIGTERM)])
+def test_an_ignored_signal_stays_ignored(name, number):
+    """As in a background job or under `nohup`: whoever started the command wants it to go on."""
+    code = f"import signal; signal.signal(signal.SIG{name}, signal.SIG_IGN); from raytrace.cli import run; run()"
+    args = [sys.executable, "-c", code, "render", "--size", "2000x1500", "--backend", "numpy"]
+    with started(args, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 60
+        while not list(Path().iterdir()) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        assert process.poll() is None
+        process.send_signal(number)
+        _, stderr = process.communicate(timeout=60)
+    assert (process.returncode, stderr) == (0, "")
+    assert [file.name for file in Path().iterdir()] == ["checkerboard.png"]
+
+
 def test_a_terminal_sees_progress_and_a_pipe_does_not():
-    args = [*COMMAND, "render", "--size", "4000x3000", "--backend", "numpy", "-o", "a.png"]
+    args = [*COMMAND, "render", "--size", "2000x1500", "--backend", "numpy", "-o", "a.png"]
     terminal, child = pty.openpty()
-    process = subprocess.Popen(
-        args, stdout=subprocess.PIPE, stderr=child, text=True, env=os.environ | {"TERM": "xterm"}
-    )
-    os.close(child)
-    shown = b""
-    while True:
-        try:
-            part = os.read(terminal, 4096)
-        except OSError:
-            break
-        shown += part
-    assert process.wait(timeout=60) == 0
+    environment = os.environ | {"TERM": "xterm"}
+    with started(args, stdout=subprocess.PIPE, stderr=child, text=True, env=environment) as process:
+        os.close(child)
+        shown = b""
+        while True:
+            try:
+                part = os.read(terminal, 4096)
+            except OSError:
+                break
+            shown += part
+        assert process.wait(timeout=60) == 0
+        assert process.stdout.read().count("\n") == 1
     assert b"rendering" in shown
-    with process.stdout as stdout:
-        assert stdout.read().count("\n") == 1
     assert subprocess.run(args, capture_output=True, check=True).stderr == b""

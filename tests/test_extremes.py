@@ -4,13 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import raytrace
 from raytrace.errors import InputError
 from raytrace.scene.check import check_scene
 from raytrace.scene.rules import BRIGHTEST, LARGEST, LONGEST, MOST_EXPOSURE, SHORTEST
+from tests.scenes import examples, some
+
+pytestmark = pytest.mark.unchecked
 
 SIZE = (9, 5)
 
@@ -106,8 +109,7 @@ def assert_is_an_image(image):
     assert image.max() <= 1
 
 
-@pytest.mark.slow
-@settings(max_examples=300)
+@examples(40, 300)
 @given(
     scene=extreme_scenes(),
     dtype=st.sampled_from(["float32", "float64"]),
@@ -120,9 +122,8 @@ def test_numpy_draws_any_scene(scene, dtype, intersection, shadow_start, antiali
     assert_is_an_image(raytrace.render(scene, SIZE, backend="numpy", dtype=dtype, **choices))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("dtype", ["float32", "float64"])
-@settings(max_examples=850)
+@pytest.mark.parametrize("dtype", some(["float32", "float64"], "float32"))
+@examples(100, 850)
 @given(scene=extreme_scenes(lighting=("shadow",), mappers=("aces",)))
 def test_jax_draws_any_scene(dtype, scene):
     # Values alone differ, so that one program draws them all.

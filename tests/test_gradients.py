@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 import raytrace
@@ -18,7 +18,7 @@ from raytrace.shader.glsl import Vec3
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import FilmUniforms
 from raytrace.uniforms import program_of, uniforms_of
-from tests.scenes import SEVERAL_SCENES
+from tests.scenes import SEVERAL_SCENES, examples, some
 from tests.strategies import colors, directions, many, numbers, positions, spheres
 
 pytestmark = pytest.mark.unchecked
@@ -58,8 +58,7 @@ def worlds(draw):
     )
 
 
-@pytest.mark.slow
-@settings(max_examples=200)
+@examples(40, 200)
 @given(worlds())
 def test_every_derivative_of_any_scene_is_finite(scene):
     check_scene(scene)
@@ -72,7 +71,8 @@ def test_derivatives_are_finite_at_the_limits_of_size(size):
     scene = raytrace.load_scene("checkerboard")
     spheres_, plane, camera = scene.spheres, scene.planes[0], scene.camera
     scaled = raytrace.Scene(
-        spheres=raytrace.Spheres(spheres_.center * size, spheres_.radius * 5 * size, spheres_.color),
+        # Three of them, so that the program is that of `worlds`.
+        spheres=raytrace.Spheres(spheres_.center[:3] * size, spheres_.radius[:3] * 5 * size, spheres_.color[:3]),
         planes=(
             raytrace.Plane(plane.point * size, plane.normal, raytrace.Checkerboard(2 * size)),
             raytrace.Plane(plane.point * size, plane.normal, raytrace.Plain([1, 1, 1]), casts_shadow=True),
@@ -86,9 +86,10 @@ def test_derivatives_are_finite_at_the_limits_of_size(size):
     assert_finite(gradient_of_any(scaled))
 
 
-@pytest.mark.parametrize(
-    ("tone_mapper", "transfer"), [("aces", "gamma2.2"), ("reinhard", "srgb"), ("hable", "none"), ("none", "gamma2.2")]
-)
+WHITE = [("aces", "gamma2.2"), ("reinhard", "srgb"), ("hable", "none"), ("none", "gamma2.2")]
+
+
+@pytest.mark.parametrize(("tone_mapper", "transfer"), some(WHITE, WHITE[0]))
 def test_white_is_white_at_the_limits_of_brightness(tone_mapper, transfer):
     """The brightest colours that validation admits, in float32: nothing overflows on the way, to black or below 0."""
     scene = raytrace.Scene(
@@ -96,6 +97,7 @@ def test_white_is_white_at_the_limits_of_brightness(tone_mapper, transfer):
         sun=raytrace.Sun(color=[1e6, 1e6, 1e6]),
         sky=raytrace.Sky(low=[1e6, 1e6, 1e6], high=[1e6, 1e6, 1e6], void=[1e6, 1e6, 1e6]),
         film=raytrace.Film(exposure=16, tone_mapper=tone_mapper, transfer=transfer, white_point=3000.0),
+        lighting="on",
     )
     image = np.asarray(raytrace.render(scene, SIZE))
     np.testing.assert_allclose(image, 1, atol=2e-6)
@@ -141,20 +143,22 @@ def lit_ball(x):
 def test_derivatives_are_those_of_finite_differences():
     with jax.enable_x64(True):
         x = jnp.array([0.3, 0.5, 0.8]), jnp.array([0.5, 0.6, 0.7]), jnp.array(0.2)
-        gradient = jax.grad(lambda x: lit_ball(x))(x)
+        ball = jax.jit(lit_ball)
+        gradient = jax.grad(lit_ball)(x)
         for k, part in enumerate(x):
             for i in np.ndindex(part.shape):
 
                 def shifted(h, k=k, i=i):
-                    return lit_ball(tuple(p.at[i].add(h) if j == k else p for j, p in enumerate(x)))
+                    return ball(tuple(p.at[i].add(h) if j == k else p for j, p in enumerate(x)))
 
                 # A step that the rounding of uniforms to float32 does not swallow.
                 difference = (shifted(2**-9) - shifted(-(2**-9))) / 2**-8
                 assert float(gradient[k][i]) == pytest.approx(float(difference), rel=2e-3, abs=2e-5)
 
 
-def test_forward_mode_is_reverse_mode():
-    scene = raytrace.load_scene("checkerboard")
+@pytest.mark.parametrize("name", some(["lit-sphere", "checkerboard"], "lit-sphere"))
+def test_forward_mode_is_reverse_mode(name):
+    scene = raytrace.load_scene(name)
 
     def brightness(direction):
         sunlit = replace(scene, sun=replace(scene.sun, direction=direction))
@@ -166,9 +170,12 @@ def test_forward_mode_is_reverse_mode():
     np.testing.assert_allclose(forward, reverse, rtol=1e-9)
 
 
-def test_loops_that_stay_loops_have_the_same_derivatives():
+@pytest.mark.parametrize("lighting", some(["on", "shadow"], "on"))
+def test_loops_that_stay_loops_have_the_same_derivatives(lighting):
     """With many spheres the winner's body is run again for the derivative; with few, the loop is written out."""
-    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(5))
+    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(5), lighting=lighting)
+    if lighting == "on":
+        scene = replace(scene, planes=())
 
     def brightness(scene, engine):
         uniforms, program = uniforms_of(scene, SIZE[0] / SIZE[1]), program_of(scene, "robust")

@@ -69,8 +69,10 @@ _INTERRUPTED = 130
 def run() -> None:
     """The command `raytrace`: 0 if all went well, 2 for bad input, with one line that says what; 130 for Ctrl-C;
     1 where something ran and failed."""
-    # As `timeout` and service managers end a process: it cleans up behind itself then too.
-    signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+    # As `timeout` and service managers end a process: it cleans up behind itself then too. A signal that is ignored, as
+    # under `nohup`, stays ignored; so does SIGINT in a background job, which Python sees to.
+    if signal.getsignal(signal.SIGTERM) != signal.SIG_IGN:
+        signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
     try:
         code = app(standalone_mode=False)
         if code == _INTERRUPTED:  # typer's own answer to Ctrl-C

@@ -5,12 +5,14 @@ import os
 import socket
 import subprocess
 import sys
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
 
 import raytrace
-from tests.processes import peak_memory
+from tests.processes import COMMAND, command, peak_memory, started
+from tests.scenes import some
 
 SIZE = "200x120"
 RENDER = (
@@ -28,7 +30,7 @@ def drawn(tmp_path, scene, devices, flags=""):
     return np.load(out)
 
 
-@pytest.mark.parametrize("scene", ["checkerboard", "two-hundred-spheres"])
+@pytest.mark.parametrize("scene", some(["checkerboard", "two-hundred-spheres"], "checkerboard"))
 def test_eight_devices(tmp_path, scene):
     one, eight = (drawn(tmp_path, scene, n, f"--xla_force_host_platform_device_count={n}") for n in (1, 8))
     np.testing.assert_array_equal(one, eight)
@@ -45,8 +47,8 @@ def test_every_core_has_a_device_unless_jax_has_begun(tmp_path):
 def test_a_width_that_the_devices_cannot_share(tmp_path):
     code = (
         "import sys, numpy as np, raytrace\n"
-        "np.save(sys.argv[1], raytrace.render('checkerboard', (101, 40)))\n"
-        "np.save(sys.argv[2], raytrace.render('checkerboard', (101, 40), skip=False))\n"
+        "np.save(sys.argv[1], raytrace.render('lit-sphere', (101, 40)))\n"
+        "np.save(sys.argv[2], raytrace.render('lit-sphere', (101, 40), skip=False))\n"
     )
     images = []
     for n in (1, 3):
@@ -59,9 +61,6 @@ def test_a_width_that_the_devices_cannot_share(tmp_path):
         np.testing.assert_array_equal(image, images[0])
 
 
-COMMAND = [sys.executable, "-c", "from raytrace.cli import run; run()"]
-
-
 def free_port():
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
@@ -70,35 +69,31 @@ def free_port():
 
 def test_two_processes_render_one_image(tmp_path):
     alone, together = tmp_path / "alone.exr", tmp_path / "together.exr"
-    subprocess.run([*COMMAND, "render", "--size", SIZE, "-o", str(alone)], check=True)
+    command("render", "lit-sphere", "--size", SIZE, "-o", alone)
     joined = ["--coordinator", f"127.0.0.1:{free_port()}", "--hosts", "2"]
-    processes = [
-        subprocess.Popen(
-            [*COMMAND, "render", "--size", SIZE, "-o", together, *joined, "--process-id", str(i)],
-            stdout=subprocess.PIPE,
-            text=True,
-        )
-        for i in range(2)
-    ]
-    told = [process.communicate(timeout=240)[0] for process in processes]
+    args = [*COMMAND, "render", "lit-sphere", "--size", SIZE, "-o", str(together), *joined, "--process-id"]
+    with ExitStack() as stack:
+        processes = [stack.enter_context(started([*args, str(i)], stdout=subprocess.PIPE, text=True)) for i in range(2)]
+        told = [process.communicate(timeout=240)[0] for process in processes]
     assert [process.returncode for process in processes] == [0, 0]
     assert "together.exr" in told[0]
     assert "together.exr" not in told[1]
     np.testing.assert_array_equal(raytrace.read_image(alone), raytrace.read_image(together))
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--hosts", "2"], "give all three"),
-        (["--coordinator", "localhost:1", "--hosts", "2", "--process-id", "2"], "must be from 0 to 1"),
-        (["--coordinator", "localhost", "--hosts", "2", "--process-id", "0"], "must be HOST:PORT"),
-        (["--cluster"], "no scheduler"),
-        (["--cluster", "--backend", "numpy"], "only jax"),
-    ],
-)
+#: Arguments of the command, and what it says of them.
+BAD_INPUT = [
+    (["--hosts", "2"], "give all three"),
+    (["--coordinator", "localhost:1", "--hosts", "2", "--process-id", "2"], "must be from 0 to 1"),
+    (["--coordinator", "localhost", "--hosts", "2", "--process-id", "0"], "must be HOST:PORT"),
+    (["--cluster"], "no scheduler"),
+    (["--cluster", "--backend", "numpy"], "only jax"),
+]
+
+
+@pytest.mark.parametrize(("options", "message"), BAD_INPUT)
 def test_mistakes_are_one_line(tmp_path, options, message):
-    ended = subprocess.run([*COMMAND, "render", *options], capture_output=True, text=True, cwd=tmp_path)
+    ended = command("render", *options, cwd=tmp_path)
     assert ended.returncode == 2, ended.stderr
     assert message in ended.stderr
     assert ended.stderr.count("\n") == 1
@@ -149,7 +144,7 @@ def test_other_values_are_not_compiled_again():
 
 
 def test_the_next_process_does_not_compile(tmp_path):
-    code = "raytrace.render('checkerboard', (40, 20)).block_until_ready(); print(json.dumps(compiled()))"
+    code = "raytrace.render('sphere', (40, 20)).block_until_ready(); print(json.dumps(compiled()))"
     assert compilations(code, tmp_path) > 0
     (program,) = tmp_path.glob("*.program")
     assert compilations(code, tmp_path) == 0
@@ -165,7 +160,7 @@ def test_a_cache_that_cannot_be_written_is_no_error(tmp_path):
     assert compilations(code, tmp_path / "file") > 0
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_memory_does_not_grow_with_the_height(tmp_path):
     """An image goes to its file as it is rendered: 24576 rows more, of 0.56 GiB, take much less memory than that."""
     render = ("-m", "raytrace", "render", "-o", str(tmp_path / "a.exr"), "--size")

@@ -1,7 +1,5 @@
 """Somebody's own shader, run on real engines."""
 
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +8,8 @@ import pytest
 
 import raytrace
 from raytrace.export import EXPORTS
+from tests.processes import command
+from tests.scenes import some
 from tests.strategies import many
 
 SIZE = (160, 90)
@@ -35,8 +35,10 @@ def drawn(text, engine, **options):
     return raytrace.render("checkerboard", SIZE, backend=engine, shader=written(text), **options)
 
 
-@pytest.mark.parametrize("to", ["glsl", "shaderlabweb"])
-@pytest.mark.parametrize("data", ["constants", "uniforms"])
+KINDS = [(to, data) for to in ("glsl", "shaderlabweb") for data in ("constants", "uniforms")]
+
+
+@pytest.mark.parametrize(("to", "data"), some(KINDS, KINDS[0], KINDS[3]))
 def test_an_exported_shader_gives_the_same_image(engine, to, data):
     scene = raytrace.load_scene("checkerboard")
     image = drawn(EXPORTS[to](scene, SIZE, data=data), engine)
@@ -129,11 +131,10 @@ void main() {
 """
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_an_endless_loop_is_one_line_and_exit_code_1(engine):
     args = ["render", "--shader", written(ENDLESS), "--backend", engine, "--size", "2048x2048", "--time-limit", "4"]
-    command = [sys.executable, "-c", "from raytrace.cli import run; run()", *args]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    done = command(*args)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith(f"raytrace: a.frag: backend {engine}: ")
     assert len(done.stderr.splitlines()) == 1

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 import raytrace
 from raytrace.backends.gpu.drawing import Drawing, ShaderProgram, ShaderRejected
@@ -15,6 +15,7 @@ from raytrace.backends.gpu.process import EngineProcess, engine_process
 from raytrace.glsl import vertex_shader
 from raytrace.rendering import Rendering
 from tests.engines import need
+from tests.scenes import examples, some
 from tests.strategies import many, scenes
 
 SIZE = (160, 90)
@@ -44,7 +45,7 @@ def differing(a, b, bound=1e-3):
     return int(np.atleast_3d(apart).any(axis=-1).sum())
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", some(SCENES, "checkerboard", "white point"))
 def test_every_step_is_that_of_numpy(engine, scene):
     """But for single pixels on an edge, where float32 decides otherwise."""
     reference = raytrace.render(SCENES[scene], SIZE, backend="numpy", dtype="float64", output="steps")
@@ -92,7 +93,7 @@ def test_bands_are_rows_of_the_image(engine, monkeypatch):
     np.testing.assert_allclose(pixel["display"], whole[60, 80], rtol=1e-4)
 
 
-@settings(max_examples=25)
+@examples(8, 25)
 @given(scene=scenes())
 def test_random_scenes(scene):
     """Every scene that there may be compiles, and looks like NumPy's."""
@@ -142,7 +143,7 @@ def endless():
     return Drawing(loop, 2048, 2048, 0, 2048, {"n": np.array(1, np.int32)})
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_an_endless_shader_is_ended(engine):
     process = EngineProcess(engine)
     process.about()

@@ -14,7 +14,7 @@ from raytrace.rendering import Rendering
 from raytrace.scene.toml import figures
 from raytrace.shader.pixel import Frame
 from raytrace.uniforms import program_of, uniforms_of
-from tests.scenes import SEVERAL_SCENES
+from tests.scenes import SEVERAL_SCENES, some
 from tests.strategies import many
 
 pytestmark = pytest.mark.unchecked
@@ -37,13 +37,13 @@ def test_float64_is_numpys(name):
     assert_same_image(name, (480, 270), 5e-12 if name in figures() else 2e-11)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("name", ["checkerboard", "lit-sphere", "skybox"])
-@pytest.mark.slow
 def test_float64_is_numpys_at_full_size(name):
     assert_same_image(name, (1920, 1080), 5e-11)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_float32_is_near_float64():
     """At most 20 pixels of the default scene at 1920x1080 are off by more than 1/255."""
     reference = raytrace.render("checkerboard", backend="numpy", dtype="float64")
@@ -52,18 +52,26 @@ def test_float32_is_near_float64():
     assert np.count_nonzero(np.abs(image - reference).max(axis=-1) > 1 / 255) <= 20
 
 
-def engine_image(scene, engine, size=(64, 36), dtype="float32"):
+#: Programs of this size are shared by the tests.
+SIZE = (32, 18)
+
+
+def engine_image(scene, engine, size=SIZE, dtype="float32"):
     uniforms, program = uniforms_of(scene, size[0] / size[1]), program_of(scene, "robust")
     job = Job(program, Frame(*size), ("display",), dtype, engine=engine)
     return Renderer(uniforms, job).draw(0, size[1])["display"]
 
 
-def test_the_engines_agree():
+@pytest.mark.parametrize(
+    "engine",
+    some([Staged(block=160), Staged(few=2), OneProgram(), OneProgram(few=2)], Staged(block=160), OneProgram(few=2)),
+    ids=str,
+)
+def test_the_engines_agree(engine):
     """Staged with one or many blocks, loops written out or not, and everything under one plain `jit`."""
     scene = raytrace.load_scene("checkerboard")
-    staged = engine_image(scene, Staged())
-    for engine in (Staged(block=64 * 5), Staged(few=2), OneProgram(), OneProgram(few=2)):
-        np.testing.assert_allclose(engine_image(scene, engine), staged, rtol=0, atol=2e-5)
+    staged = raytrace.render(scene, SIZE)
+    np.testing.assert_allclose(engine_image(scene, engine), staged, rtol=0, atol=2e-5)
 
 
 def test_eager_arrays_run_the_shader():
@@ -81,15 +89,15 @@ def test_eager_arrays_run_the_shader():
 def test_many_spheres():
     """More than are written out: the loop stays a loop and the items are gathered."""
     scene = replace(raytrace.load_scene("checkerboard"), spheres=many(50))
-    reference = raytrace.render(scene, (96, 54), backend="numpy", dtype="float64", output="steps")
-    steps = raytrace.render(scene, (96, 54), dtype="float64", output="steps")
+    reference = raytrace.render(scene, (64, 36), backend="numpy", dtype="float64", output="steps")
+    steps = raytrace.render(scene, (64, 36), dtype="float64", output="steps")
     np.testing.assert_array_equal(steps["index"], reference["index"])
     np.testing.assert_allclose(steps["display"], reference["display"], rtol=0, atol=1e-11)
 
 
 def test_bands_are_the_whole_image(monkeypatch):
     monkeypatch.setattr("raytrace.rendering.BAND", 96 * 10)
-    rendering = Rendering("checkerboard", (96, 55), dtype="float64")
+    rendering = Rendering("lit-sphere", (96, 55), dtype="float64")
     np.testing.assert_allclose(np.concatenate(list(rendering.bands())), rendering.whole(), rtol=0, atol=1e-12)
 
 
@@ -105,9 +113,12 @@ def test_types_of_the_results():
 
 
 def test_x64_mode_changes_no_bit():
-    without = raytrace.render("checkerboard", (64, 36), dtype="float64"), raytrace.render("checkerboard", (64, 36))
+    def images():
+        return [np.asarray(raytrace.render("checkerboard", SIZE, dtype=dtype)) for dtype in ("float64", "float32")]
+
+    without = images()
     with jax.enable_x64(True):
-        with_x64 = raytrace.render("checkerboard", (64, 36), dtype="float64"), raytrace.render("checkerboard", (64, 36))
+        with_x64 = images()
     for a, b in zip(without, with_x64, strict=True):
         np.testing.assert_array_equal(a, b)
 
@@ -122,7 +133,7 @@ def test_a_traced_scene_passes_through_jit_and_vmap():
     scene = raytrace.load_scene("checkerboard")
 
     def image(direction):
-        return raytrace.render(replace(scene, sun=replace(scene.sun, direction=direction)), (32, 18))
+        return raytrace.render(replace(scene, sun=replace(scene.sun, direction=direction)), SIZE)
 
     directions = jnp.array([[1, 0.75, 1], [0, 1, 0.2], [-1, 0.3, 0.5]])
     expected = np.stack([image(direction) for direction in np.asarray(directions)])
@@ -132,27 +143,28 @@ def test_a_traced_scene_passes_through_jit_and_vmap():
 
 def test_a_whole_scene_passes_through_jit():
     scene = raytrace.load_scene("checkerboard")
-    jitted = jax.jit(lambda scene: raytrace.render(scene, (32, 18)))
-    np.testing.assert_allclose(jitted(scene), raytrace.render(scene, (32, 18)), rtol=0, atol=2e-5)
+    jitted = jax.jit(lambda scene: raytrace.render(scene, SIZE))
+    np.testing.assert_allclose(jitted(scene), raytrace.render(scene, SIZE), rtol=0, atol=2e-5)
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64"])
 def test_a_concrete_scene_renders_inside_a_trace(dtype):
     """As the fixed target of a loss does."""
-    target = jax.jit(lambda x: x * raytrace.render("checkerboard", (16, 9), dtype=dtype).mean())(1.0)
-    assert float(target) == pytest.approx(float(raytrace.render("checkerboard", (16, 9), dtype=dtype).mean()), rel=1e-6)
+    target = jax.jit(lambda x: x * raytrace.render("checkerboard", SIZE, dtype=dtype).mean())(1.0)
+    assert float(target) == pytest.approx(float(raytrace.render("checkerboard", SIZE, dtype=dtype).mean()), rel=1e-6)
 
 
-@pytest.mark.parametrize("length", [1e-25, 1e20])
-def test_a_traced_direction_may_have_any_length(length):
+def test_a_traced_direction_may_have_any_length():
     scene = raytrace.load_scene("lit-sphere")
 
     def image(direction):
-        return raytrace.render(replace(scene, sun=replace(scene.sun, direction=direction)), (32, 18))
+        return raytrace.render(replace(scene, sun=replace(scene.sun, direction=direction)), SIZE)
 
-    direction = np.array([1, 0.75, 1]) * length
-    np.testing.assert_allclose(jax.jit(image)(jnp.float32(direction)), image(direction), rtol=0, atol=2e-5)
-    assert np.asarray(jax.grad(lambda d: image(d).sum())(jnp.float32(direction))).any()
+    traced, gradient = jax.jit(image), jax.jit(jax.grad(lambda direction: image(direction).sum()))
+    for length in (1e-25, 1e20):
+        direction = np.array([1, 0.75, 1]) * length
+        np.testing.assert_allclose(traced(jnp.float32(direction)), image(direction), rtol=0, atol=2e-5)
+        assert np.asarray(gradient(jnp.float32(direction))).any()
 
 
 def test_only_what_is_traced_is_computed_in_its_precision():
@@ -161,7 +173,7 @@ def test_only_what_is_traced_is_computed_in_its_precision():
 
     def rays(color):
         sunlit = replace(scene, sun=replace(scene.sun, color=color))
-        return raytrace.render(sunlit, (32, 18), output="steps")["rd"]
+        return raytrace.render(sunlit, SIZE, output="steps")["rd"]
 
     np.testing.assert_allclose(jax.jit(rays)(jnp.ones(3)), rays(np.ones(3)), rtol=0, atol=1.2e-7)
 

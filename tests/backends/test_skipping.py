@@ -16,7 +16,7 @@ from raytrace.backends.job import Job
 from raytrace.rendering import Rendering
 from raytrace.shader.pixel import Frame
 from raytrace.uniforms import program_of, uniforms_of
-from tests.scenes import SEVERAL_SCENES
+from tests.scenes import SEVERAL_SCENES, examples, some
 from tests.strategies import many, scenes
 
 pytestmark = pytest.mark.unchecked
@@ -53,26 +53,32 @@ def test_every_scene(name):
     assert_same_bits(*both(scene))
 
 
-@pytest.mark.parametrize("dtype", ["float32", "float64"])
-@pytest.mark.parametrize("name", ["checkerboard", "huge-sphere-as-ground"])
+TEXTBOOK = [(name, dtype) for name in ("checkerboard", "huge-sphere-as-ground") for dtype in ("float32", "float64")]
+
+
+@pytest.mark.parametrize(("name", "dtype"), some(TEXTBOOK, ("huge-sphere-as-ground", "float64")))
 def test_the_textbooks_formula(name, dtype):
     assert_same_bits(*both(raytrace.load_scene(name), dtype=dtype, intersection="textbook"))
 
 
-@pytest.mark.parametrize("name", ["checkerboard", "shadow-of-a-plane", "two-hundred-spheres"])
+@pytest.mark.parametrize(
+    "name", some(["checkerboard", "shadow-of-a-plane", "two-hundred-spheres"], "shadow-of-a-plane")
+)
 def test_shadow_rays_that_start_on_the_surface(name):
     assert_same_bits(*both(raytrace.load_scene(name), shadow_start="surface"))
 
 
-@pytest.mark.slow
-def test_edges():
+@pytest.mark.parametrize("name", some(["lit-sphere", "many spheres"], "lit-sphere"))
+def test_edges(name):
     """What a pixel may see of a sphere beside it is not skipped either."""
-    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(40))
+    if name == "many spheres":
+        scene = replace(raytrace.load_scene("checkerboard"), spheres=many(40))
+    else:
+        scene = raytrace.load_scene(name)
     assert_same_bits(*both(scene, keep=("linear",), antialias="edges"))
 
 
-@pytest.mark.slow
-@hypothesis.settings(max_examples=4)
+@examples(1, 4)
 @hypothesis.given(
     scene=scenes(),
     intersection=st.sampled_from(["robust", "textbook"]),
@@ -84,12 +90,15 @@ def test_random_scenes(scene, intersection, shadow_start):
 
 @pytest.mark.parametrize(
     ("n", "intersection"),
-    [
-        (40, "robust"),
-        (staged.MANY_FOR_SHADOW + 50, "robust"),
+    some(
+        [
+            (40, "robust"),
+            (staged.MANY_FOR_SHADOW + 50, "robust"),
+            (staged.MANY_FOR_PRIMARY + 100, "robust"),
+            (staged.MANY_FOR_PRIMARY + 100, "textbook"),
+        ],
         (staged.MANY_FOR_PRIMARY + 100, "robust"),
-        (staged.MANY_FOR_PRIMARY + 100, "textbook"),
-    ],
+    ),
 )
 def test_many_spheres(n, intersection):
     """Lists, then cells for shadows, then cells for both; and all of these are NumPy's picture."""
@@ -104,7 +113,9 @@ def test_many_spheres(n, intersection):
         assert np.mean(image["shadow"] == skipped["shadow"]) > 0.995
 
 
-@pytest.mark.parametrize("sizes", ["all large", "large and small", "far and wide"])
+@pytest.mark.parametrize(
+    "sizes", some(["all large", "large and small", "far and wide", "parallel rays"], "large and small")
+)
 def test_cells_hold_any_mixture(sizes, monkeypatch):
     """Spheres too large for any cell, of every size together, and a few that stretch the grid."""
     monkeypatch.setattr(staged, "MANY_FOR_SHADOW", 20)
@@ -113,6 +124,7 @@ def test_cells_hold_any_mixture(sizes, monkeypatch):
     radius = {
         "all large": random.uniform(0.5, 3, n),
         "large and small": 10 ** random.uniform(-3, 1, n),
+        "parallel rays": 10 ** random.uniform(-3, 1, n),
         "far and wide": random.uniform(0.05, 0.2, n),
     }[sizes]
     center = random.uniform([-3, -0.4, -6], [3, 2, 1], (n, 3))
@@ -120,16 +132,14 @@ def test_cells_hold_any_mixture(sizes, monkeypatch):
         center[::10] *= 1e5
     spheres = raytrace.Spheres(center=center, radius=radius, color=random.uniform(0, 1, (n, 3)))
     scene = replace(raytrace.load_scene("checkerboard"), spheres=spheres)
+    if sizes == "parallel rays":
+        scene = replace(scene, camera=raytrace.OrthographicCamera(height=4.0))
     # Another block size: the limits are not part of what a program is known by.
-    engine = Staged(block={"all large": 300, "large and small": 301, "far and wide": 302}[sizes])
-    assert_same_bits(*both(scene, engine=engine))
-    if sizes == "large and small":
-        parallel = raytrace.OrthographicCamera(height=4.0)
-        assert_same_bits(*both(replace(scene, camera=parallel), engine=engine))
+    assert_same_bits(*both(scene, engine=Staged(block=300)))
 
 
-@pytest.mark.slow
-@hypothesis.settings(max_examples=20)
+@pytest.mark.parametrize("intersection", some(["robust", "textbook"], "robust"))
+@examples(5, 20)
 @hypothesis.given(
     column=st.integers(0, 95),
     row=st.integers(0, 53),
@@ -137,7 +147,7 @@ def test_cells_hold_any_mixture(sizes, monkeypatch):
     radius=st.floats(1e-3, 1),
     data=st.data(),
 )
-def test_spheres_that_touch_a_ray(column, row, distance, radius, data):
+def test_spheres_that_touch_a_ray(column, row, distance, radius, data, intersection):
     """A sphere that a pixel's ray just touches, at a block's border or not: rounding decides, skipping does not."""
     scene = raytrace.load_scene("checkerboard")
     rd = np.asarray(
@@ -149,11 +159,10 @@ def test_spheres_that_touch_a_ray(column, row, distance, radius, data):
     off = radius * (1 + data.draw(st.integers(-8, 8)) * 2.0**-23)
     center = np.asarray(scene.camera.position) + distance * rd + off * across
     spheres = raytrace.Spheres(center=[center, center], radius=[radius, radius], color=np.ones((2, 3)))
-    for intersection in ("robust", "textbook"):
-        assert_same_bits(*both(replace(scene, spheres=spheres), intersection=intersection))
+    assert_same_bits(*both(replace(scene, spheres=spheres), intersection=intersection))
 
 
-@pytest.mark.parametrize("n", [6, 300])
+@pytest.mark.parametrize("n", some([6, 300], 6))
 def test_gradients(n):
     scene = replace(raytrace.load_scene("checkerboard"), spheres=many(n))
 

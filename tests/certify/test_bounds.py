@@ -7,14 +7,17 @@ import raytrace
 from raytrace.certify import certify, verify
 from raytrace.scene import scenes
 from tests.engines import need
-from tests.scenes import SEVERAL_SCENES
+from tests.scenes import SEVERAL_SCENES, some
 
 pytestmark = pytest.mark.unchecked
 
 SIZE = (96, 54)
 SMALL = (48, 27)
+#: That of the golden images, whose programs are shared.
+GOLDEN = (480, 270)
 A_FEW = ("checkerboard", "inside-a-sphere", "orthographic", "overlapping-spheres", "sun-in-the-picture")
 ALL = pytest.mark.parametrize("name", list(scenes()))
+MOSTLY_FULL = pytest.mark.parametrize("name", some(scenes(), "checkerboard"))
 
 
 @ALL
@@ -52,10 +55,9 @@ def test_the_exact_image_is_within(name):
             assert (exact <= Exact.of(high)).value.all()
 
 
-@ALL
-@pytest.mark.slow
+@MOSTLY_FULL
 def test_every_engine_is_within(name):
-    size = SMALL if name == "two-hundred-spheres" else SIZE
+    size = SMALL if name == "two-hundred-spheres" else GOLDEN
     certificate = certify(name, size, precision="glsl-highp")
     for backend, dtype in (
         ("numpy", "float32"),

@@ -115,15 +115,16 @@ def test_the_commands(tmp_path):
     assert raytrace.read_image(marked).shape == (54, 96, 3)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (("certify", "--precision", "reel"), "raytrace: precision: unknown 'reel'; did you mean 'real'? there is: "),
-        (("certify", "-o", "c.png"), "raytrace: c.png: a certificate must be named *.exr"),
-        (("verify", "a.png"), "raytrace: verify: needs the image's scene (--scene), or a certificate"),
-        (("verify", "--scene", "sphere"), "raytrace: verify: give an image, or a shader with --shader"),
-    ],
-)
+#: Arguments of the command, and what it says of them.
+BAD_INPUT = [
+    (("certify", "--precision", "reel"), "raytrace: precision: unknown 'reel'; did you mean 'real'? there is: "),
+    (("certify", "-o", "c.png"), "raytrace: c.png: a certificate must be named *.exr"),
+    (("verify", "a.png"), "raytrace: verify: needs the image's scene (--scene), or a certificate"),
+    (("verify", "--scene", "sphere"), "raytrace: verify: give an image, or a shader with --shader"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "line"), BAD_INPUT)
 def test_bad_input_is_one_line(arguments, line):
     done = command(*arguments)
     assert (done.returncode, done.stdout) == (2, "")

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import raytrace
-from tests.test_cli import raytrace_command, refused
+from tests.processes import command
+from tests.test_cli import refused
 
 pytestmark = pytest.mark.unchecked
 
@@ -32,14 +33,14 @@ def files():
 
 def failed(*args):
     """The one line on standard error of a check that failed, and what was printed."""
-    done = raytrace_command("compare", *args)
+    done = command("compare", *args)
     assert done.returncode == 1, done
     (line,) = done.stderr.splitlines()
     return line.removeprefix("raytrace: "), done.stdout
 
 
 def test_a_comparison_is_a_table_and_a_picture(files):
-    done = raytrace_command("compare", "a.png", "b.png", "--diff", "d.png", "--scene", "spheres")
+    done = command("compare", "a.png", "b.png", "--diff", "d.png", "--scene", "spheres")
     assert (done.returncode, done.stderr) == (0, "")
     for text in ("SSIM", "worst window", "PSNR", "RMSE", "largest", "over 1/255", "CIEDE2000", "FLIP", "per degree"):
         assert text in done.stdout
@@ -50,9 +51,7 @@ def test_a_comparison_is_a_table_and_a_picture(files):
 
 def test_json_and_bounds_that_hold(files):
     bounds = ["--min-ssim", "0.99", "--max-flip", "0.05", "--max-difference", "0.01", "--max-share", "0"]
-    done = raytrace_command(
-        "compare", "a.png", "backend:numpy:float64", "--scene", "spheres", *SMALL, "--json", *bounds
-    )
+    done = command("compare", "a.png", "backend:numpy:float64", "--scene", "spheres", *SMALL, "--json", *bounds)
     assert (done.returncode, done.stderr) == (0, "")
     report = json.loads(done.stdout)
     assert (report["over"], report["size"]) == (0, [48, 27])
@@ -73,36 +72,37 @@ def test_nan_is_a_failing_check_even_against_itself(files):
 
 
 def test_linear_light_against_display(files):
-    done = raytrace_command("compare", "linear.exr", "a.png", "--scene", "spheres", "--max-share", "0")
+    done = command("compare", "linear.exr", "a.png", "--scene", "spheres", "--max-share", "0")
     assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_matrix():
-    done = raytrace_command("compare", "--matrix", "--scene", "sphere", "--size", "24x16")
+    done = command("compare", "--matrix", "--scene", "sphere", "--size", "24x16")
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.splitlines()[2].startswith("numpy64  1.000000      0")
     assert max(map(len, done.stdout.splitlines()[:8])) <= 120
 
 
-@pytest.mark.parametrize(
-    ("args", "told"),
-    [
-        (["a.png"], "takes two images"),
-        (["a.png", "other.png"], "a.png of 48x27 and other.png of 48x26: images of different sizes"),
-        (["a.png", "nowhere.png"], "nowhere.png: no such file"),
-        (["a.png", "linear.exr"], "linear.exr: holds linear light, and no scene is known"),
-        (["a.png", "backend:numpy"], "backend:numpy: needs a scene"),
-        (["a.png", "backend:nunpy", "--scene", "spheres"], "unknown 'nunpy'"),
-        (["a.png", "b.png", "--scene", "moon"], "moon: no such scene"),
-        (["a.png", "b.png", "--set", "lighting='on'"], "--set: changes a scene; give one (--scene)"),
-        (["a.png", "b.png", "--a-is", "log"], "unknown kind of values 'log'"),
-        (["a.png", "b.png", "--min-ssim", "high"], "'--min-ssim'"),
-        (["a.png", "b.png", "--diff", "d.jpg"], "d.jpg: the picture of a comparison is a .png file"),
-        (["a.png", "b.png", "--diff", "nowhere/d.png"], "the folder nowhere does not exist"),
-        (["--matrix", "--size", "0x1"], "size: must be (width, height)"),
-        (["a.png", "b.png", "--matrix"], "--matrix: takes a scene and a size"),
-    ],
-)
+#: Arguments of the command, and what it says of them.
+BAD_INPUT = [
+    (["a.png"], "takes two images"),
+    (["a.png", "other.png"], "a.png of 48x27 and other.png of 48x26: images of different sizes"),
+    (["a.png", "nowhere.png"], "nowhere.png: no such file"),
+    (["a.png", "linear.exr"], "linear.exr: holds linear light, and no scene is known"),
+    (["a.png", "backend:numpy"], "backend:numpy: needs a scene"),
+    (["a.png", "backend:nunpy", "--scene", "spheres"], "unknown 'nunpy'"),
+    (["a.png", "b.png", "--scene", "moon"], "moon: no such scene"),
+    (["a.png", "b.png", "--set", "lighting='on'"], "--set: changes a scene; give one (--scene)"),
+    (["a.png", "b.png", "--a-is", "log"], "unknown kind of values 'log'"),
+    (["a.png", "b.png", "--min-ssim", "high"], "'--min-ssim'"),
+    (["a.png", "b.png", "--diff", "d.jpg"], "d.jpg: the picture of a comparison is a .png file"),
+    (["a.png", "b.png", "--diff", "nowhere/d.png"], "the folder nowhere does not exist"),
+    (["--matrix", "--size", "0x1"], "size: must be (width, height)"),
+    (["a.png", "b.png", "--matrix"], "--matrix: takes a scene and a size"),
+]
+
+
+@pytest.mark.parametrize(("args", "told"), BAD_INPUT)
 def test_bad_input_is_one_line_and_exit_code_2(files, args, told):
     assert told in refused("compare", *args)
 

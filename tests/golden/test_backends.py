@@ -9,29 +9,26 @@ from raytrace.testing import goldens
 
 pytestmark = pytest.mark.unchecked
 
-#: Each is rendered once.
-EVERY = goldens()
+EVERY = pytest.mark.parametrize(
+    "golden", [pytest.param(g, marks=() if g.name == "checkerboard" else pytest.mark.full) for g in goldens()], ids=str
+)
 
 
-def unlike(backend):
-    """The scenes in which a backend's image is not the golden one, by the bounds of `raytrace check`."""
-    found = {}
-    for golden in EVERY:
-        image = np.asarray(raytrace.render(golden.scene, golden.size, backend=backend), np.float64)
-        ssim, over = similarity(golden.image, image).mean, pixels_over(golden.image, image).mean()
-        if not (ssim >= 0.9999 and over <= 0.001):
-            found[golden.name] = ssim, over
-    return found
+def assert_alike(golden, backend):
+    """By the bounds of `raytrace check`."""
+    image = np.asarray(raytrace.render(golden.scene, golden.size, backend=backend), np.float64)
+    assert similarity(golden.image, image).mean >= 0.9999
+    assert pixels_over(golden.image, image).mean() <= 0.001
 
 
-@pytest.mark.slow
-def test_graphics_engines(engine):
-    assert unlike(engine) == {}
+@EVERY
+def test_graphics_engines(golden, engine):
+    assert_alike(golden, engine)
 
 
-@pytest.mark.slow
-def test_jax_in_float32():
-    assert unlike("jax") == {}
+@EVERY
+def test_jax_in_float32(golden):
+    assert_alike(golden, "jax")
 
 
 def test_at_an_odd_height_only_centres_on_a_tiles_edge_differ(engine):

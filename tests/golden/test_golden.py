@@ -4,7 +4,6 @@ import json
 import shutil
 import signal
 import subprocess
-import sys
 import time
 from itertools import combinations
 from pathlib import Path
@@ -18,10 +17,10 @@ from raytrace.golden import BOUNDS, backend_source, folder_source, golden_folder
 from raytrace.image import read_metadata
 from raytrace.testing import goldens
 from tests.engines import need
+from tests.processes import COMMAND, command, started
 
 pytestmark = pytest.mark.unchecked
 
-COMMAND = [sys.executable, "-c", "from raytrace.cli import run; run()"]
 SIZE = (96, 54)
 SCENES = ("checkerboard", "skybox")
 
@@ -30,10 +29,6 @@ def made(folder="G", names=SCENES, size=SIZE, certified=False):
     written = write_goldens(folder, golden_scenes(names), size, certified=certified)
     assert list(written) == [Path(name).stem for name in names]
     return Path(folder)
-
-
-def command(*args):
-    return subprocess.run([*COMMAND, *map(str, args)], capture_output=True, text=True, timeout=300, check=False)
 
 
 def test_what_is_written():
@@ -109,13 +104,14 @@ def test_a_folder_of_something_else_is_left_alone():
 def test_an_interruption_leaves_the_old_folder():
     made("G", ("skybox",))
     before = contents("G")
-    process = subprocess.Popen([*COMMAND, "golden", "G", "--size", "1920x1080"], stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60
-    while len(list(Path().iterdir())) < 2 and time.monotonic() < deadline:
-        time.sleep(0.05)
-    time.sleep(1)
-    process.send_signal(signal.SIGINT)
-    _, told = process.communicate(timeout=60)
+    args = [*COMMAND, "golden", "G", "--size", "1920x1080"]
+    with started(args, stderr=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 60
+        while len(list(Path().iterdir())) < 2 and time.monotonic() < deadline:
+            time.sleep(0.05)
+        time.sleep(1)
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=60)
     assert (process.returncode, told) == (130, "raytrace: interrupted\n")
     assert [path.name for path in Path().iterdir()] == ["G"]
     assert contents("G") == before
@@ -180,22 +176,23 @@ def test_what_is_wrong_with_files_is_named():
     assert "1 of 5 pass" in lines[6]
 
 
-@pytest.mark.parametrize(
-    ("args", "told"),
-    [
-        (["check", "nowhere", "--backend", "numpy"], "nowhere: holds no golden images (no manifest.json)"),
-        (["check", "G"], "check: give one of --images, --backend and --shader"),
-        (["check", "G", "--backend", "numpy", "--images", "G"], "check: give one of --images, --backend and --shader"),
-        (["check", "G", "--images", "nowhere"], "nowhere: no such folder"),
-        (["check", "G", "--images", "G", "--shader", "a.frag"], "check: give one of --images, --backend and --shader"),
-        (["check", "broken", "--backend", "numpy"], "broken/manifest.json: broken"),
-        (["golden", "new", "--scenes", "nowhere"], "nowhere: no such scene"),
-        (["golden", "new", "--scenes", "sphere,sphere"], "scenes: two are called 'sphere'"),
-        (["golden", "new", "--scenes", ","], "scenes: none is given"),
-        (["golden", "new", "--size", "0x9"], "size: must be"),
-        (["golden", "G/manifest.json"], "G/manifest.json: is not a folder"),
-    ],
-)
+#: Arguments of the command, and what it says of them.
+BAD_INPUT = [
+    (["check", "nowhere", "--backend", "numpy"], "nowhere: holds no golden images (no manifest.json)"),
+    (["check", "G"], "check: give one of --images, --backend and --shader"),
+    (["check", "G", "--backend", "numpy", "--images", "G"], "check: give one of --images, --backend and --shader"),
+    (["check", "G", "--images", "nowhere"], "nowhere: no such folder"),
+    (["check", "G", "--images", "G", "--shader", "a.frag"], "check: give one of --images, --backend and --shader"),
+    (["check", "broken", "--backend", "numpy"], "broken/manifest.json: broken"),
+    (["golden", "new", "--scenes", "nowhere"], "nowhere: no such scene"),
+    (["golden", "new", "--scenes", "sphere,sphere"], "scenes: two are called 'sphere'"),
+    (["golden", "new", "--scenes", ","], "scenes: none is given"),
+    (["golden", "new", "--size", "0x9"], "size: must be"),
+    (["golden", "G/manifest.json"], "G/manifest.json: is not a folder"),
+]
+
+
+@pytest.mark.parametrize(("args", "told"), BAD_INPUT)
 def test_bad_input_is_one_line(args, told):
     made("G", ("skybox",))
     Path("broken").mkdir()
@@ -259,7 +256,7 @@ def test_goldens_of_a_folder():
         goldens(folder)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_every_golden_fails_against_every_other():
     """By both bounds of `raytrace check`."""
     for a, b in combinations(goldens(size=(160, 90)), 2):

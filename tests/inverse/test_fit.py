@@ -33,7 +33,7 @@ def degrees_between(a, b):
     return np.degrees(np.arccos(min(1.0, float(a @ b))))
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("choices", [{}, {"samples": 4}], ids=["one sample", "16 samples"])
 def test_it_finds_the_sun(choices):
     direction = raytrace.sun_direction(-70.0, 35.0)
@@ -47,7 +47,7 @@ def test_it_finds_the_sun(choices):
     assert fit.history[0].loss[-1] <= fit.history[1].loss[-1]
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_command(tmp_path):
     """Of a file, and with the exposure; the scene it writes is the scene of the picture."""
     direction = raytrace.sun_direction(120.0, 50.0)

@@ -19,7 +19,7 @@ def test_every_mistake_can_be_made_and_changes_the_text():
     assert len({mutation.name for mutation in MUTATIONS}) == len(MUTATIONS) >= 30
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_bounds_find_mistakes_and_no_correct_engine():
     need("opengl")
     names = ("sky gradient 0.26", "y flipped")

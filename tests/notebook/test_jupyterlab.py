@@ -2,7 +2,6 @@
 
 import os
 import re
-import subprocess
 import sys
 import time
 from base64 import b64decode
@@ -12,8 +11,9 @@ import pytest
 
 import raytrace
 from tests.engines import skip_unless_required
+from tests.processes import started
 
-pytestmark = [pytest.mark.slow, pytest.mark.unchecked]
+pytestmark = [pytest.mark.full, pytest.mark.unchecked]
 
 SIZE = (320, 180)
 CELLS = [
@@ -40,13 +40,12 @@ def lab(tmp_path):
     settings = {
         name: str(tmp_path / name) for name in ("JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")
     }
-    with log.open("w") as output:
-        server = subprocess.Popen(
-            [sys.executable, "-m", "jupyterlab", *arguments], cwd=tmp_path, stderr=output, env=os.environ | settings
-        )
-    try:
+    command = [sys.executable, "-m", "jupyterlab", *arguments]
+    with (
+        log.open("w") as output,
+        started(command, cwd=tmp_path, stderr=output, env=os.environ | settings) as server,
+    ):
         yield f"{_address(log, server)}/lab/tree/look.ipynb?token=a"
-    finally:
         server.terminate()
         server.wait(20)
 

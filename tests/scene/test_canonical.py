@@ -9,6 +9,7 @@ from skimage.metrics import structural_similarity
 
 import raytrace
 from raytrace.scene.toml import figures
+from tests.scenes import some
 
 CANONICAL = [name for name in raytrace.scenes() if name not in figures()]
 SIZE = (480, 270)
@@ -89,8 +90,7 @@ def test_no_picture_is_like_another():
             assert similarity(pictures[a], pictures[b]) < 0.95, (a, b)
 
 
-@pytest.mark.parametrize("name", list(raytrace.scenes()))
-@pytest.mark.slow
+@pytest.mark.parametrize("name", some(raytrace.scenes(), "checkerboard"))
 def test_float32_is_enough(name):
     """A renderer in float32 can come near the golden image with the assignment's formula."""
     image = np.float64(render(name, dtype="float32", intersection="textbook"))

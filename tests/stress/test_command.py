@@ -22,13 +22,14 @@ def test_an_axis_in_json_and_as_a_figure(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["checkerboard.png"]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        (("distanze",), "raytrace: axis: unknown 'distanze'; did you mean 'distance'? there is: "),
-        (("distance", "--plot", "nowhere"), "raytrace: nowhere: there is no such folder"),
-    ],
-)
+#: Arguments of the command, and what it says of them.
+BAD_INPUT = [
+    (("distanze",), "raytrace: axis: unknown 'distanze'; did you mean 'distance'? there is: "),
+    (("distance", "--plot", "nowhere"), "raytrace: nowhere: there is no such folder"),
+]
+
+
+@pytest.mark.parametrize(("arguments", "line"), BAD_INPUT)
 def test_bad_input_is_one_line(arguments, line):
     done = command("stress", *arguments)
     assert (done.returncode, done.stdout) == (2, "")
