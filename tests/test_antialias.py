@@ -42,8 +42,9 @@ def test_it_is_nearer_to_the_supersampled_image(name):
     assert edges <= four
 
 
-def test_more_samples_come_nearer():
-    scene = raytrace.load_scene("checkerboard")
+@pytest.mark.parametrize("name", some(["spheres", "checkerboard"], "spheres"))
+def test_more_samples_come_nearer(name):
+    scene = raytrace.load_scene(name)
     reference = raytrace.render(scene, (32, 18), samples=16, **EXACT)
     one, two = (rms(raytrace.render(scene, (32, 18), antialias="edges", samples=n, **EXACT), reference) for n in (1, 2))
     assert two < 0.7 * one

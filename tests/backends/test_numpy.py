@@ -157,7 +157,7 @@ def test_shadows_that_start_on_the_surface_have_no_scale(backend, dtype):
     assert np.sum(usual != shadow(2.0**-20, "offset")) > 10
 
 
-@pytest.mark.parametrize(("height", "gib"), some([(1024, 0.6), (4096, 1.2)], (1024, 0.6)))
+@pytest.mark.parametrize(("height", "gib"), some([(512, 0.5), (4096, 1.2)], (512, 0.5)))
 def test_memory_is_bounded(height, gib):
     """8192x4096 in float64 to a file and as an array (of 0.75 GiB by itself): under 1.2 GiB at the peak."""
     to_a_file = ["render", "--backend", "numpy", "--dtype", "float64", "--size", f"8192x{height}", "-o", "large.png"]

@@ -76,6 +76,7 @@ def test_linear_light_against_display(files):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.full
 def test_matrix():
     done = command("compare", "--matrix", "--scene", "sphere", "--size", "24x16")
     assert (done.returncode, done.stderr) == (0, "")
