@@ -112,7 +112,7 @@ class _Program(NamedTuple):
         return _Hulls.of(steps, len(places))
 
     def _interpolated(self, x: Interval) -> Interval:
-        """A varying: nobody promises how a rasterizer computes it; the model says how far off it may be."""
+        """A texture coordinate: a varying, of which nobody promises how a rasterizer computes it, or a quotient."""
         error = np.asarray(self.xp.model.interpolation)
         x = x + Interval(-error, error, _REAL)
         return Interval(*outward(x.low, x.high, self.xp.model), self.xp)
@@ -153,12 +153,13 @@ class _Hulls(NamedTuple):
 
 
 def _fill(bounds: Bounds, run: _Program, places: np.ndarray) -> int:
-    """Fills in the pixels of those numbers, every course that they can take."""
+    """Fill in the pixels of those numbers, every course that they can take (`raytrace.intervals.paths`)."""
     n = len(places)
-    engine = Paths(np.zeros((n, 0), np.int8))
+    questions: dict[tuple, int] = {}
+    engine = Paths(np.zeros((n, 0), np.int32), questions)
     hulls = run(places, engine)
     courses, too_many = np.ones(n, np.int32), np.zeros(n, bool)
-    pixels, given = _siblings(np.arange(n), engine)
+    pixels, given = engine.siblings()
     while len(pixels):
         courses += np.bincount(pixels, minlength=n).astype(np.int32)
         too_many |= courses > MOST_COURSES
@@ -167,10 +168,11 @@ def _fill(bounds: Bounds, run: _Program, places: np.ndarray) -> int:
         # Not more at a time than in the beginning.
         found = []
         for i in range(0, len(pixels), TILE):
-            some, other = pixels[i : i + TILE], given[i : i + TILE]
-            engine = Paths(other)
+            some = pixels[i : i + TILE]
+            engine = Paths(given[i : i + TILE], questions)
             hulls.include(some, run(places[some], engine))
-            found.append(_siblings(some, engine))
+            rows, more = engine.siblings()
+            found.append((some[rows], more))
         pixels, given = _joined(found)
     if too_many.any():
         hulls.include(np.flatnonzero(too_many), run(places[too_many], Engine()))
@@ -178,26 +180,9 @@ def _fill(bounds: Bounds, run: _Program, places: np.ndarray) -> int:
     return n
 
 
-def _siblings(pixels: np.ndarray, engine: Paths) -> tuple[np.ndarray, np.ndarray]:
-    """The courses that part from those just taken: pixels, and their decisions."""
-    parts = []
-    for rows, numbers in engine.new:
-        depth = int(numbers.max()) + 1
-        given = np.full((len(rows), depth), -1, np.int8)
-        place = np.arange(depth)[None, :]
-        # All new decisions were yes up to there; this one now is no.
-        given[place < numbers[:, None]] = 1
-        known = min(depth, engine.given.shape[1])
-        earlier = engine.given[rows, :known]
-        given[:, :known] = np.where((earlier >= 0) & (place[:, :known] < numbers[:, None]), earlier, given[:, :known])
-        given[np.arange(len(rows)), numbers] = 0
-        parts.append((pixels[rows], given))
-    return _joined(parts)
-
-
 def _joined(parts: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
     if not parts:
-        return np.zeros(0, np.int64), np.zeros((0, 0), np.int8)
+        return np.zeros(0, np.int64), np.zeros((0, 0), np.int32)
     depth = max(given.shape[1] for _, given in parts)
     padded = [np.pad(given, ((0, 0), (0, depth - given.shape[1])), constant_values=-1) for _, given in parts]
     return np.concatenate([pixels for pixels, _ in parts]), np.concatenate(padded)

@@ -12,7 +12,7 @@ import numpy as np
 from raytrace.certify.bounds import REASONS, Bounds, image_bounds
 from raytrace.errors import InputError, did_you_mean
 from raytrace.image import read_metadata, read_planes, write_planes
-from raytrace.intervals import GLSL_HIGHP, REAL
+from raytrace.intervals import BUILT_INS, GLSL_HIGHP, REAL
 from raytrace.rendering import check_size
 from raytrace.scene import Scene, check_scene, load_scene, scene_hash, scene_toml
 from raytrace.scene.toml import scene_from_toml
@@ -37,10 +37,12 @@ ASSUMPTIONS = {
     "glsl-highp": (
         "operations err by what WGSL, Vulkan and GLSL ES 3.00 promise of 32 bit floats; GLSL ES 3.00 promises less of "
         "sqrt, inversesqrt and pow, which are held to WGSL's",
-        "expressions are evaluated in source order, fused multiply-add allowed; WGSL allows any order, without a bound",
+        "the shader's expressions are evaluated in source order, fused multiply-add allowed; WGSL allows any order, "
+        "without a bound",
+        "inside a built-in any of these forms is taken, each fused or not",
+        *(f"{name}: {forms}" for name, forms in BUILT_INS.items()),
         "intermediate results are finite, but for a quotient by zero, which is infinite",
-        "a texture coordinate is interpolated to within 2**-23",
-        "division by a power of two is exact",
+        "the scene's numbers reach the shader as float32, exactly",
         "the same operations on the same numbers give the same result: coincident spheres are met at the same t",
     ),
 }

@@ -11,6 +11,7 @@ import typer
 from raytrace.cli.bench import bench
 from raytrace.cli.certify import certify, verify
 from raytrace.cli.compare import compare
+from raytrace.cli.conformance import conformance
 from raytrace.cli.export import export
 from raytrace.cli.golden import check, golden
 from raytrace.cli.inverse import fit_sun, gradients, sun_trials
@@ -42,6 +43,7 @@ app.command()(check)
 app.command()(certify)
 app.command()(verify)
 app.command()(mutants)
+app.command()(conformance)
 app.command()(fit_sun)
 app.command()(sun_trials)
 app.command()(gradients)

@@ -16,7 +16,7 @@ from raytrace.intervals.errors import ErrorModel
 from raytrace.intervals.rounding import exact_product, exact_sum, outward, outward_sum, widened
 from raytrace.shader.running import engine
 
-__all__ = ["BOOL", "INT", "Condition", "Interval", "bounded"]
+__all__ = ["BOOL", "INT", "Condition", "Interval", "bounded", "is_power_of_two"]
 
 
 FLOAT, INT, BOOL = "float-interval", "int32", "bool"
@@ -84,7 +84,7 @@ class Interval:
         other = self._other(other)
         if other is NotImplemented:
             return other
-        scale = other if _is_power_of_two(other) else self if _is_power_of_two(self) else None
+        scale = other if is_power_of_two(other) else self if is_power_of_two(self) else None
         if scale is not None:
             x = self if scale is other else other
             ends = x.low * scale.low, x.high * scale.low
@@ -113,13 +113,17 @@ class Interval:
         other = self._other(other)
         if other is NotImplemented:
             return other
-        if _is_power_of_two(other):
+        if is_power_of_two(other):
             return self * Interval(1 / other.low, 1 / other.low, self.xp)
         if other.ndim == 0 and not self.model.float32:
             return self._by_one_number(other)
         with np.errstate(all="ignore"):
             quotients = [a / b for a in (self.low, self.high) for b in (other.low, other.high)]
         low, high = widened(*_extremes(quotients), self.model.divide, self.model)
+        if self.model.float32:
+            huge = np.maximum(-other.low, other.high) > self.model.largest_divisor
+            if huge.any():
+                low, high = np.where(huge, np.minimum(low, 0), low), np.where(huge, np.maximum(high, 0), high)
         unbounded = (other.low <= 0) & (other.high >= 0)
         low, high = np.where(unbounded, -np.inf, low), np.where(unbounded, np.inf, high)
         return bounded(*self._by_zero(other, low, high), self.xp)
@@ -137,10 +141,14 @@ class Interval:
     def _by_zero(self, other: "Interval", low: Any, high: Any) -> tuple[Any, Any]:
         """A quotient by 0 itself is infinite, with a sign that is not known: an engine that decides tries both."""
         decide = getattr(engine(), "decide", None)
-        zero = (other.low == 0) & (other.high == 0) & ((self.low > 0) | (self.high < 0))
-        if decide is None or not zero.any():
+        if decide is None:
             return low, high
-        infinite = np.where(decide(Condition(np.ones_like(zero), zero, self.xp)), np.inf, -np.inf)
+        zero = (other.low == 0) & (other.high == 0) & ((self.low > 0) | (self.high < 0))
+        # It is asked at every quotient, as it counts the questions that it is asked.
+        positive = decide(Condition(np.True_, zero, self.xp))
+        if not zero.any():
+            return low, high
+        infinite = np.where(positive, np.inf, -np.inf)
         infinite = np.where(self.low > 0, infinite, -infinite)
         return np.where(zero, infinite, low), np.where(zero, infinite, high)
 
@@ -244,7 +252,7 @@ def _extremes(numbers: list) -> tuple[Any, Any]:
     return np.minimum(np.minimum(a, b), np.minimum(c, d)), np.maximum(np.maximum(a, b), np.maximum(c, d))
 
 
-def _is_power_of_two(x: Interval) -> bool:
+def is_power_of_two(x: Interval) -> bool:
     """Whether this is one number, +-2**k with a moderate k: products with it are exact."""
     if x.low.size != 1 or x.dtype == INT or x.low.ndim:
         return False

@@ -1,45 +1,50 @@
-"""Spheres that none of some rays can meet, whatever rounding does to the program's own test.
+"""Spheres that some rays do not meet, whatever rounding does: they need not be looked at.
 
-All rays lie in two boxes, of their origins and of their directions. For every sphere the discriminant of all lines of
-the boxes is bounded in real arithmetic, and the sphere is left out where it is negative by more than any program can
-err.
-
-How much that is: let u = 2**-23 be what one operation may err relatively (either neighbour of the exact result, in
-float32), D the distance of origin and centre, r the radius. A difference of origin and centre errs by u D; a scalar
-product of three terms by 5 u more, so b by 7 u D, and b * b by 15 u D**2; c = D**2 - r**2 by 8 u D**2 + 2 u r**2; their
-difference by 26 u (D**2 + r**2) in all. The direction's length may be off by 8 u, which moves b * b by 16 u D**2.
-`SLACK` is 64 u. The robust formula errs by less: its terms are no larger than the textbook's.
+The rays are gathered in boxes, a few neighbours in each, and the search's own text is run on the boxes. A sphere that
+changes nothing there changes nothing for any ray within: every operation on intervals is inclusion isotonic, which is
+to say that narrower operands give an interval within that of wider ones. So to leave a sphere out changes no bound, and
+no geometry of its own, which would have to be proven for every formula, is needed.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from raytrace.intervals.arrays import Interval
-from raytrace.intervals.errors import REAL
-from raytrace.intervals.namespace import Namespace
-from raytrace.shader.glsl import Vec3, dot
-from raytrace.shader.tree import tree_map
+from raytrace.intervals.arrays import Condition, Interval
+from raytrace.shader.control import Engine, count, running
+from raytrace.shader.tree import tree_leaves, tree_map
 from raytrace.shader.uniforms import Sphere
 
 __all__ = ["candidates"]
 
-SLACK = 2.0**-17
-_XP = Namespace(REAL)
+#: Rays in a box, more of them where there would be more than so many tests of a box and a sphere.
+RAYS, TESTS = 16, 1 << 18
 
 
-def candidates(ro: Vec3, rd: Vec3, spheres: Sphere) -> np.ndarray:
-    """The numbers of those spheres that any of the rays may meet; ro and rd are of intervals, of any shape."""
-    origin, direction, geometry = tree_map(_box, ro), tree_map(_box, rd), (spheres.center, spheres.radius)
-    center, radius = tree_map(lambda x: Interval(x.low, x.high, _XP), geometry)
-    out = origin - center
-    distance, square = dot(out, out), radius * radius
-    nearest = out - dot(out, direction) * direction
-    clearance = dot(nearest, nearest) - square
-    missed = clearance.low > SLACK * (distance.high + square.high)
-    return np.flatnonzero(~missed)
+def candidates(body: Callable, start: Any, spheres: Sphere, rays: tuple) -> np.ndarray:
+    """Return the numbers of those spheres that may change `start`, the state of a search that has found nothing.
+
+    body: as of `raytrace.shader.control.each`. A search passes over a sphere that it would not take if that were the
+    first one. rays: the arguments of `body`, origins and directions: intervals of shape (n,) or ().
+    """
+    n, m = max(leaf.low.size for leaf in tree_leaves(rays)), count(spheres)
+    firsts = np.arange(0, n, max(RAYS, -(-n * m // TESTS)))
+
+    def box(x: Interval) -> Interval:
+        if x.ndim == 0:
+            return x
+        ends = (extreme.reduceat(end, firsts) for extreme, end in ((np.minimum, x.low), (np.maximum, x.high)))
+        return Interval(*(end[:, None] for end in ends), x.xp)
+
+    with running(Engine()):
+        found = body(start, 0, tree_map(lambda leaf: leaf[None, :], spheres), *tree_map(box, rays))
+    changed = np.zeros((1, m), np.bool)
+    for before, after in zip(tree_leaves(start), tree_leaves(found), strict=True):
+        for a, b in zip(_parts(before), _parts(after), strict=True):
+            changed = changed | (a != b)
+    return np.flatnonzero(changed.any(axis=0))
 
 
-def _box(x: Any) -> Interval:
-    """From the smallest to the largest, a number of shape ()."""
-    return Interval(x.low.min(), x.high.max(), _XP)
+def _parts(x: Interval | Condition) -> tuple[np.ndarray, np.ndarray]:
+    return (x.may_hold, x.may_fail) if isinstance(x, Condition) else (x.low, x.high)

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from raytrace.intervals import built_ins
 from raytrace.intervals.arrays import BOOL, INT, Condition, Interval, bounded
 from raytrace.intervals.errors import LIBM, ULP32, ULP64, ErrorModel
 from raytrace.intervals.rounding import outward, widened
@@ -21,7 +22,8 @@ class Namespace:
 
     def __init__(self, model: ErrorModel):
         self.model = model
-        self.powers_by_logarithm = model.powers_by_logarithm
+        #: Of real numbers all forms of a built-in are one.
+        self.built_ins = built_ins if model.float32 else None
 
     def finfo(self, dtype: Any) -> type[Unlimited]:
         """What becomes of small numbers is the error model's."""

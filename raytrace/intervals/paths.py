@@ -2,9 +2,21 @@
 
 The hull over an undecided comparison is wide: of a ray that may or may not meet a sphere it would hold every distance
 between -1, for a miss, and the hit's. So a pixel with an undecided comparison is computed once for each course that
-its decisions can take, and each course has narrow bounds. The real program takes one of them, and what it computes is
-within that one's bounds. Courses are found as they are met: where a decision is new, the pixel goes on with yes, and is
-put down to be computed again with no.
+its decisions can take, and each course has narrow bounds.
+
+A decision is an answer to a question, and a question is known by its place in the program's text: the sides of the
+branches around it, the numbers of the loops' items, and how many questions are asked before it in there. What a run
+computes beside a pixel does not move that place: not which other pixels it has, not which spheres it leaves out, and
+not which comparisons are decided without being asked about.
+
+No course is missed. Take any program that conforms, at one pixel. To each question it has one answer (and any to a
+question that it never comes to, as no number of its depends on that). A course is a set of answers. Suppose that a
+course is put down all of whose answers are the program's; the empty one of the first run is. Where the run of a course
+asks no new question, or gives the program's answer, yes, to each of them, every comparison in it is as in the program,
+whose numbers then are within the run's bounds. Otherwise take the first new question to which the program answers no.
+Up to there the run was the program's, and the course that parts there (all of the old one, yes to the new ones before,
+no to this one) is put down: its answers are the program's, and one more than before. There are finitely many questions,
+so that a run within whose bounds the program is comes at last.
 """
 
 from collections.abc import Callable
@@ -14,7 +26,7 @@ import numpy as np
 
 from raytrace.intervals.arrays import Condition, Interval
 from raytrace.intervals.culling import candidates
-from raytrace.shader.control import Engine
+from raytrace.shader.control import Engine, count
 from raytrace.shader.tree import tree_map
 from raytrace.shader.uniforms import Sphere
 
@@ -22,59 +34,82 @@ __all__ = ["Paths"]
 
 
 class Paths(Engine):
-    """The engine for one array of pixels, each with the decisions that it has been given.
+    """The engine for one array of pixels, each with the answers that it has been given.
 
-    given: (n, k) int8: 1 for yes and 0 for no, -1 from where a pixel's list ends.
+    given: (n, k) int32: a pixel's course, as 2 * question + answer (1 for yes), -1 from where it ends.
+    questions: the numbers of the questions by their places; the same for all runs of some pixels, which add to it.
     """
 
-    def __init__(self, given: np.ndarray):
-        self.given = given
+    def __init__(self, given: np.ndarray, questions: dict[tuple, int]):
         n = len(given)
         self.pixels = np.arange(n)
-        self.met = np.zeros(n, np.int64)
-        #: The new decisions: pixel and number, in the order in which they were met; all were yes.
+        self.answers, self.length = given, (given >= 0).sum(axis=1)
+        self.questions = questions
+        #: The place where the text is: branches and loops around it, and how many questions were asked there.
+        self.place, self.asked = (), 0
+        #: The new answers, in the order in which they were given: pixels, and the place of each in its course.
         self.new: list[tuple[np.ndarray, np.ndarray]] = []
 
     def decide(self, condition: Condition) -> np.ndarray:
-        """Whether the condition holds, for every pixel that it is of; those of a number for all are decided."""
+        """Return whether the condition holds, for every pixel that it is of; of a number for all, where asked, too."""
+        place = (*self.place, self.asked)
+        self.asked += 1
         if condition.decision is None:
-            holds = np.array(condition.may_hold)
+            holds = condition.may_hold
             undecided = condition.may_hold & condition.may_fail
             if undecided.any():
-                if holds.ndim == 0:
-                    holds, undecided = (np.broadcast_to(x, self.pixels.shape).copy() for x in (holds, undecided))
-                holds[undecided] = self._decisions(self.pixels[undecided])
+                if undecided.size == 1:
+                    undecided = np.broadcast_to(undecided, self.pixels.shape)
+                holds = np.broadcast_to(holds, undecided.shape).copy()
+                question = self.questions.setdefault(place, len(self.questions))
+                holds[undecided] = self._answers(question, self.pixels[undecided])
             condition.decision = holds
         return condition.decision
 
-    def _decisions(self, pixels: np.ndarray) -> np.ndarray:
-        number = self.met[pixels]
-        self.met[pixels] += 1
-        known = np.full(len(pixels), -1, np.int8)
-        within = number < self.given.shape[1]
-        known[within] = self.given[pixels[within], number[within]]
-        new = known < 0
-        if new.any():
-            self.new.append((pixels[new], number[new]))
-        return known != 0
+    def _answers(self, question: int, pixels: np.ndarray) -> np.ndarray:
+        known = (self.answers[pixels] >> 1) == question
+        answers = ~(known & (self.answers[pixels] & 1 == 0)).any(axis=1)
+        new = pixels[~known.any(axis=1)]
+        if len(new):
+            at = self.length[new]
+            lacking = int(at.max()) + 1 - self.answers.shape[1]
+            if lacking > 0:
+                self.answers = np.pad(self.answers, ((0, 0), (0, lacking)), constant_values=-1)
+            self.answers[new, at] = 2 * question + 1
+            self.length[new] += 1
+            self.new.append((new, at))
+        return answers
+
+    def siblings(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the courses that part from those of this run: pixels (m,), and what each is given (m, k)."""
+        depth = self.answers.shape[1]
+        rows = np.concatenate([np.zeros(0, np.int64), *(pixels for pixels, _ in self.new)])
+        last = np.concatenate([np.zeros(0, np.int64), *(at for _, at in self.new)])
+        # The answers up to there, that one now no.
+        given = np.where(np.arange(depth) <= last[:, None], self.answers[rows], -1)
+        given[np.arange(len(rows)), last] -= 1
+        return rows, given
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
-        if not isinstance(items, Sphere):
-            return super().each(items, body, start, args, unroll)
+        # What is left out beside the rays, as in `any_sphere_intersect`, goes by number, which a box does not know.
+        culled = isinstance(items, Sphere) and len(args) == 2
+        numbers = candidates(body, start, items, args) if culled else range(count(items))
         state = start
-        for i in candidates(*args[:2], items):
-            state = body(state, int(i), tree_map(lambda leaf, i=i: leaf[i], items), *args)
+        for i in map(int, numbers):
+            item = tree_map(lambda leaf, i=i: leaf[i], items)
+            state = self._inside(i, body, (state, i, item, *args))
+        self.asked += 1
         return state
 
     def branch(self, condition: Condition, then: Callable, other: Callable, args: tuple) -> Any:
         holds = np.broadcast_to(self.decide(condition), self.pixels.shape)
         chosen = np.flatnonzero(holds)
         if len(chosen) == holds.size:
-            return then(*args)
+            return self._inside(True, then, args)
         if len(chosen) == 0:
-            return other(*args)
+            return self._inside(False, other, args)
         rest = np.flatnonzero(~holds)
-        yes, no = self._among(chosen, then, args), self._among(rest, other, args)
+        yes, no = self._among(chosen, True, then, args), self._among(rest, False, other, args)
 
         def merged(a: Any, b: Any) -> Interval:
             low, high = (np.empty(holds.size, a.low.dtype) for _ in range(2))
@@ -84,10 +119,19 @@ class Paths(Engine):
 
         return tree_map(merged, yes, no)
 
-    def _among(self, chosen: np.ndarray, side: Callable, args: tuple) -> Any:
-        """A side of a branch for some of the pixels."""
+    def _among(self, chosen: np.ndarray, which: bool, side: Callable, args: tuple) -> Any:
+        """Run a side of a branch for some of the pixels."""
         before, self.pixels = self.pixels, self.pixels[chosen]
         try:
-            return side(*tree_map(lambda plane: plane[chosen] if plane.ndim else plane, args))
+            return self._inside(which, side, tree_map(lambda plane: plane[chosen] if plane.ndim else plane, args))
         finally:
             self.pixels = before
+
+    def _inside(self, which: int, part: Callable, args: tuple) -> Any:
+        """Run a part of the text whose questions have places of their own: a side of a branch, or a loop's item."""
+        place, asked = self.place, self.asked
+        self.place, self.asked = (*place, asked, which), 0
+        try:
+            return part(*args)
+        finally:
+            self.place, self.asked = place, asked

@@ -9,6 +9,7 @@ Source: The OpenGL ES Shading Language 3.00, chapters 5 (operators) and 8 (built
 
 import operator
 from collections import namedtuple
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -119,6 +120,9 @@ class _Matrix:
     __slots__ = ()
 
     def __mul__(self, vector):
+        own = _own("dot", *vector, *self.x)
+        if own is not None:
+            return type(self.x)(*(own(row, vector) for row in zip(*self, strict=True)))
         first, *rest = (column * component for column, component in zip(self, vector, strict=True))
         return sum(rest, first)
 
@@ -140,8 +144,21 @@ class Mat4(_Matrix, namedtuple("Mat4", "x y z w")):
         return Mat3(self.x.xyz, self.y.xyz, self.z.xyz)
 
 
+def _own(name: str, *operands: Any) -> Callable | None:
+    """The built-in of that name of the operands' arithmetic, or ``None``.
+
+    An arithmetic that stands for other people's programs has built-ins of its own (`built_ins` of its namespace): GLSL
+    leaves the order of operations inside a built-in to the implementation.
+    """
+    array = next((operand for operand in operands if hasattr(operand, "__array_namespace__")), None)
+    return None if array is None else getattr(getattr(namespace(array), "built_ins", None), name, None)
+
+
 def dot(a: Any, b: Any) -> Array:
     """The scalar product of two vectors, summed from x on."""
+    own = _own("dot", *a, *b)
+    if own is not None:
+        return own(a, b)
     first, *rest = (a * b for a, b in zip(a, b, strict=True))
     return sum(rest, first)
 
@@ -204,7 +221,18 @@ def clamp(x: Any, low: Any, high: Any) -> Any:
 
 def mix(a: Any, b: Any, share: Any) -> Any:
     """The linear blend ``a * (1 - share) + b * share``."""
-    return a * (1 - share) + b * share
+    own = _own("mix", *_components(a), *_components(b), *_components(share))
+    if own is None:
+        return a * (1 - share) + b * share
+    vector = next((type(x) for x in (a, b, share) if isinstance(x, _Componentwise)), None)
+    if vector is None:
+        return own(a, b, share)
+    n = len(vector._fields)
+    return vector(*map(own, *(_components(x) if isinstance(x, _Componentwise) else (x,) * n for x in (a, b, share))))
+
+
+def _components(x: Any) -> tuple:
+    return tuple(x) if isinstance(x, _Componentwise) else (x,)
 
 
 def floor(x: Any) -> Any:
@@ -214,7 +242,8 @@ def floor(x: Any) -> Any:
 
 def mod(x: Array, y: Any) -> Array:
     """``x - y * floor(x / y)``: the remainder with the sign of `y`."""
-    return x - y * floor(x / y)
+    own = _own("mod", x)
+    return x - y * floor(x / y) if own is None else own(x, y)
 
 
 def isfinite(x: Array) -> Array:
@@ -238,6 +267,8 @@ def sqrt(x: Array) -> Array:
     The derivative at 0 is infinite and is defined as 0 here: the root is taken of a number that is never below
     the smallest normal one, so no derivative is infinite and none is lost where `x` is positive and normal.
     """
+    if not namespace(x).finfo(x.dtype).smallest_normal:
+        return namespace(x).sqrt(maximum(x, 0))  # an arithmetic without limits; it has no derivatives
     tiny = smallest_normal(x)
     return select(x > 0, namespace(x).sqrt(maximum(x, tiny)), 0)
 
@@ -262,17 +293,27 @@ def pow(x: Any, y: Any) -> Any:
     """`x` to the power `y`, for x >= 0 and y > 0; of a vector, each component.
 
     As GLSL defines its precision: ``exp2(y * log2(x))``. Where `y` is a literal 1/2, 1/4, 1/8, ... it is the
-    same number by square roots, which are faster and correctly rounded.
+    same number by square roots, which are faster and correctly rounded. An arithmetic that stands for other people's
+    programs takes either.
     0 for x <= 0, with derivative 0 (the true one is infinite at 0 for y < 1).
     """
     roots = _square_roots(y)
 
     def leaf(x):
-        # An arithmetic that stands for other people's programs has no choice of its own.
-        if roots and not getattr(namespace(x), "powers_by_logarithm", False):
-            for _ in range(roots):
-                x = sqrt(x)
-            return x
+        either = _own("either", x)
+        if not roots:
+            return by_logarithm(x)
+        return by_roots(x) if either is None else either(by_logarithm(x), by_roots(x))
+
+    def by_roots(x):
+        for _ in range(roots):
+            x = sqrt(x)
+        return x
+
+    def by_logarithm(x):
+        own = _own("power", x)
+        if own is not None:
+            return own(x, y)
         # Not the smallest normal number itself: the derivative divides by it and by ln 2, which a compiler may
         # take for one division by a product, and that would underflow.
         positive = maximum(x, smallest_normal(x, times=4))
