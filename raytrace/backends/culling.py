@@ -10,8 +10,11 @@ blocks of rays wider, by more than all roundings together. With u half the machi
 u (|ro| + |center|) in each coordinate, b = dot(ro, rd) by 4 u D at a distance D, `nearest = ro - b * rd` by at most
 12 u D, |rd|^2 by 6 u, and the squares by 4 u of themselves: together under 16 u (D + |ro| + |center|) in length for the
 robust formula. The textbook's ``b*b - c`` errs by at most 16 u D^2 + 2 u r^2, so there the *square* of the radius
-grows by that; the sign of t needs the same, since it hangs on ``|ro|^2 - r^2``. `SLACK` is twice that, in machine
-epsilons, and covers the roundings of this file's own arithmetic too.
+grows by that; the sign of t needs the same, since it hangs on ``|ro|^2 - r^2``. `SLACK` is
+twice that, in machine epsilons, and covers the roundings of this file's own arithmetic too.
+
+The robust formula limits ``|ro|^2 - r^2`` to the square of its larger root. That keeps the sign of t: a sphere that is
+left out because it is behind has a larger root of more than its radius, whose square does not underflow.
 """
 
 from math import inf, nan

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from raytrace.certify.certificate import Certificate
-from raytrace.compare.inputs import KINDS, of_8_bits
+from raytrace.compare.inputs import KINDS
 from raytrace.errors import InputError, did_you_mean
+from raytrace.image.depth import Depth, coarsest_depth, values_of
 from raytrace.rendering import render
 
 __all__ = ["Cluster", "Verification", "verify"]
@@ -38,18 +39,23 @@ class Verification:
     """An image beside a certificate.
 
     by: (height, width): how far a pixel is outside its bounds, the farthest of its channels; 0 inside.
-    of_8_bits: whether the image is of 8 bits; then half a unit of those is within the bounds.
+    depth: what the image is stored as; half a unit of it is within the bounds.
     """
 
     certificate: Certificate
     image: np.ndarray
     by: np.ndarray
-    of_8_bits: bool
+    depth: Depth
 
     @property
     def inside(self) -> bool:
         """Whether every pixel is."""
         return not (self.by > 0).any()
+
+    @property
+    def of_8_bits(self) -> bool:
+        """Whether the image is stored in 8 bits."""
+        return self.depth == Depth(8)
 
     @cached_property
     def clusters(self) -> list[Cluster]:
@@ -110,30 +116,38 @@ class Verification:
             "inside": self.inside,
             "outside": int((self.by > 0).sum()),
             "by": float(self.by.max()),
+            "depth": str(self.depth),
             "of_8_bits": self.of_8_bits,
             "clusters": [cluster._asdict() for cluster in self.clusters],
             "certificate": self.certificate.to_dict(),
         }
 
 
-def verify(image: Any, certificate: Certificate, values: str = "display") -> Verification:
-    """Whether every pixel of `image`, (height, width, 3), keeps the certificate's bounds.
+def verify(image: Any, certificate: Certificate, values: str = "display", depth: Depth | None = None) -> Verification:
+    """Check whether every pixel of `image` keeps the certificate's bounds.
 
-    values: "display" or "linear", what the image holds. A display image of 8 bits has been rounded: half a unit of them
-        is added. What is not a number is outside by infinity.
+    image: (height, width, 3): floats, with 1 for white, or unsigned integers, with their largest for white.
+    values: "display" or "linear", what the image holds.
+    depth: what the image was stored as, `raytrace.image.read_depth` of its file. Its values have been rounded to that,
+        so half a unit of it is added to the bounds. ``None`` for an array: the coarsest depth that its values can have
+        been stored with (`raytrace.image.depth.coarsest_depth`), half a unit of float32 for any float32.
+
+    NaN is outside by infinity.
 
     Raises:
-        InputError: the image is of another shape, or there are no such values.
+        InputError: the image is of another shape or type, or there are no such values.
     """
     if values not in KINDS:
         raise InputError(f"values: unknown {values!r}; {did_you_mean(values, KINDS, 'there is')}")
-    image = np.asarray(image, np.float64)
+    given = np.asarray(image)
     width, height = certificate.size
-    if image.shape != (height, width, 3):
-        raise InputError(f"image: must be of shape {(height, width, 3)}, as the certificate is, found {image.shape}")
+    if given.shape != (height, width, 3):
+        raise InputError(f"image: must be of shape {(height, width, 3)}, as the certificate is, found {given.shape}")
+    depth = depth or coarsest_depth(given)
+    image = values_of(given)
     low, high = getattr(certificate.bounds, values)
-    coarse = values == "display" and bool(np.isfinite(image).all()) and of_8_bits(image)
-    # A file's k / 255 is rounded to float32 when it is read.
-    slack = 0.5 / 255 + 2.0**-24 if coarse else 0.0
-    by = np.maximum(low - slack - image, image - high - slack).max(axis=-1)
-    return Verification(certificate, image, np.where(np.isnan(by), np.inf, np.maximum(by, 0)), coarse)
+    # The numbers that may have been stored as the image's values, and those that a program may compute, must meet.
+    least, most = depth.numbers(image)
+    with np.errstate(invalid="ignore"):
+        by = np.maximum(low - most, least - high).max(axis=-1)
+    return Verification(certificate, image, np.where(np.isnan(by), np.inf, np.maximum(by, 0)), depth)

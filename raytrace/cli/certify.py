@@ -9,6 +9,7 @@ import typer
 
 from raytrace.cli.options import Changes, Scene, Shader, ShaderUniforms, Size, TimeLimit, progress, size_of
 from raytrace.errors import InputError
+from raytrace.image.depth import Depth
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 
 __all__ = ["certify", "verify"]
@@ -78,14 +79,14 @@ def verify(
         from raytrace.rendering import render
 
         options = {"shader": shader, "uniforms": parse_uniforms(uniforms), "time_limit": time_limit}
-        values, kind = np.asarray(render(known, shape, backend="opengl", **options)), "display"
+        values, kind, depth = np.asarray(render(known, shape, backend="opengl", **options)), "display", None
     else:
-        values, kind = _values(image, known, shape, linear)
+        values, kind, depth = _values(image, known, shape, linear)
     if bounds is None:
         shape = values.shape[1::-1]
         with progress(shape[0] * shape[1], "bounding") as advance:
             bounds = certified(known, shape, precision=precision, intersection=intersection, done=advance)
-    found = verified(values, bounds, kind)
+    found = verified(values, bounds, kind, depth)
     if marked:
         write_image(marked, found.marked())
     print(json.dumps(found.to_dict(), indent=1) if as_json else found)
@@ -93,16 +94,17 @@ def verify(
         raise typer.Exit(1)
 
 
-def _values(image: str, scene: object, size: tuple[int, int], linear: bool) -> tuple[np.ndarray, str]:
-    """The values of a file or a backend, and whether they are display or linear ones."""
-    from raytrace.compare.inputs import KINDS, rendering_of
-    from raytrace.image import file_format, read_image, read_metadata
+def _values(image: str, scene: object, size: tuple[int, int], linear: bool) -> tuple[np.ndarray, str, Depth | None]:
+    """The values of a file or a backend, whether they are display or linear ones, and a file's depth."""
+    from raytrace.compare.inputs import KINDS, rendering_of, usual_kind
+    from raytrace.image import read_depth, read_image, read_metadata
 
     if image.startswith("backend:"):
-        return np.asarray(rendering_of(image, scene, size).whole()), "display"
-    values = read_image(image)
+        return np.asarray(rendering_of(image, scene, size).whole()), "display", None
+    values, depth = read_image(image), read_depth(image)
     if isinstance(values, dict):
-        return values["display"], "display"
+        kind = "linear" if linear else "display"
+        return values[kind], kind, depth
     told = read_metadata(image).get("output")
-    kind = told if told in KINDS else file_format(Path(image)).output
-    return values, "linear" if linear else kind
+    kind = told if told in KINDS else usual_kind(Path(image))
+    return values, "linear" if linear else kind, depth

@@ -15,6 +15,7 @@ __all__ = ["stress"]
 def stress(
     axes: Annotated[list[str] | None, typer.Argument(help="Names of axes, such as distance; default: all.")] = None,
     full: Annotated[bool, typer.Option("--full", help="More cases, more points, larger images.")] = False,
+    seed: Annotated[int, typer.Option(min=0, help="Of all random numbers.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plot: Annotated[Path | None, typer.Option(help="A folder: also write a figure of each axis there, PNG.")] = None,
 ) -> None:
@@ -36,7 +37,7 @@ def stress(
     ask_for_all_cores()
     by_axis: dict[str, list] = {}
     with progress(len(axes or AXES), "measuring") as advance:
-        for point in measurements(FULL if full else QUICK, axes):
+        for point in measurements((FULL if full else QUICK)._replace(seed=seed), axes):
             if point.axis not in by_axis:
                 advance(1)
             by_axis.setdefault(point.axis, []).append(point)

@@ -10,9 +10,10 @@ import numpy as np
 
 from raytrace.compare import metrics
 from raytrace.compare.diagnosis import Diagnosis, diagnosis
-from raytrace.compare.inputs import comparable, of_8_bits
+from raytrace.compare.inputs import comparable
 from raytrace.compare.reference import Reference
 from raytrace.compare.regions import Region, regions
+from raytrace.image import Depth
 from raytrace.scene import Scene
 from raytrace.tables import html_table, text_table
 
@@ -24,6 +25,7 @@ class Comparison:
     """How far two images are apart, in display values. Prints as a table, in a notebook too.
 
     names, size: of the images; (width, height).
+    depth: the coarser one's, to which the other was rounded; ``None`` where neither is coarser than float32.
     ssim: ``None`` where it is undefined, of images under 11 x 11.
     psnr: in decibels, infinite for equal images; rmse and largest: absolute differences.
     over: the number of pixels that differ by more than 1/255 in any channel; share: of all pixels.
@@ -36,6 +38,7 @@ class Comparison:
 
     names: tuple[str, str]
     size: tuple[int, int]
+    depth: Depth | None
     ssim: metrics.Similarity | None
     psnr: float
     rmse: float
@@ -58,6 +61,7 @@ class Comparison:
             "a": self.names[0],
             "b": self.names[1],
             "size": list(self.size),
+            "depth": None if self.depth is None else str(self.depth),
             "ssim": _plain(self.ssim),
             "psnr": _plain(self.psnr),
             "rmse": self.rmse,
@@ -85,7 +89,7 @@ class Comparison:
         return [
             ("A", self.names[0]),
             ("B", self.names[1]),
-            ("size", f"{width}x{height}{', 8 bits a channel' * of_8_bits(self.images[0])}"),
+            ("size", f"{width}x{height}" + (f", {self.depth} a channel" if self.depth else "")),
             ("SSIM", similarity),
             ("PSNR", f"{self.psnr:.2f} dB"),
             ("RMSE", f"{self.rmse:.4g}"),
@@ -126,9 +130,10 @@ def compare(
 ) -> Comparison:
     """How far `b` is from `a`, the reference.
 
-    Where one image is of 8 bits a channel and the other is not, the other is rounded to 8 bits first.
+    Where one image is stored more coarsely than the other (8, 10 or 16 bits, half floats), the other is rounded to that
+    first. A file says what it is stored as; an array's type does, and floats that are all k / 255 are of 8 bits.
 
-    a, b: arrays (height, width, 3) of floats; paths of image files; or texts ``backend:NAME`` and
+    a, b: arrays (height, width, 3) of floats or unsigned integers; paths of image files; or texts ``backend:NAME`` and
         ``backend:NAME:DTYPE`` for `scene` rendered at `size`. Of a file of steps its display values are taken.
     scene: whose film develops linear light, and whose parts tell where the difference lives; otherwise the one that
         a file of `raytrace render` has in its metadata, A's first.
@@ -141,7 +146,7 @@ def compare(
         raytrace.compare.NotFinite: an image holds NaN or infinity; an InputError, too.
         InputError: an image is missing or of another size, or linear light without a scene.
     """
-    images, names, known = comparable((a, b), names, kinds, scene, size)
+    images, depth, names, known = comparable((a, b), names, kinds, scene, size)
     over = metrics.pixels_over(*images)
     height, width = over.shape
     search = diagnose and bool(over.any())
@@ -149,6 +154,7 @@ def compare(
     return Comparison(
         names=names,
         size=(width, height),
+        depth=depth,
         ssim=metrics.similarity(*images),
         psnr=metrics.psnr(*images),
         rmse=metrics.rmse(*images),

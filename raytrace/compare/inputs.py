@@ -9,12 +9,14 @@ import numpy as np
 
 from raytrace.compare.film import developed, film_of
 from raytrace.errors import InputError, did_you_mean
-from raytrace.image import file_format, read_image, read_metadata
+from raytrace.image import Depth, file_format, read_depth, read_image, read_metadata
+from raytrace.image.depth import FLOAT32, depth_of_dtype, values_of
+from raytrace.image.formats import FORMATS
 from raytrace.rendering import Rendering
 from raytrace.scene import Scene, load_scene
 from raytrace.scene.toml import scene_from_toml
 
-__all__ = ["KINDS", "NotFinite", "comparable", "finite", "of_8_bits", "rendering_of"]
+__all__ = ["KINDS", "NotFinite", "Picture", "comparable", "finite", "read_picture", "rendering_of", "usual_kind"]
 
 #: What an image's values can be.
 KINDS = ("display", "linear")
@@ -26,12 +28,17 @@ class NotFinite(InputError):
 
 
 @dataclass(frozen=True)
-class _Image:
-    """An image as it was found: its values (height, width, 3), what they are, and the scene its file tells of."""
+class Picture:
+    """An image as it was found: its values (height, width, 3), what they are, and what its file says of its origin.
+
+    kind: one of `KINDS`. depth: what the values are stored as. scene: the scene in the file's metadata, if that was
+    asked for.
+    """
 
     name: str
     values: np.ndarray
     kind: str
+    depth: Depth
     scene: Scene | None
 
 
@@ -41,17 +48,18 @@ def comparable(
     kinds: tuple[str | None, str | None],
     scene: Scene | str | Path | None,
     size: tuple[int, int],
-) -> tuple[tuple[np.ndarray, np.ndarray], tuple[str, str], Scene | None]:
-    """The display values of both in float64, of 8 bits if either is, their names, and the scene that is known.
+) -> tuple[tuple[np.ndarray, np.ndarray], Depth | None, tuple[str, str], Scene | None]:
+    """The display values of both in float64, the depth that they are compared in, their names, and the known scene.
 
-    That is the one given, or else that of the first file that tells.
+    Where the values of one are stored more coarsely than in float32, the other's are rounded to the same: what such a
+    file cannot hold is no difference. The scene is the one given, or else that of the first file that tells.
     The arguments are those of `raytrace.compare`, which says what is raised.
     """
     if scene is not None and not isinstance(scene, Scene):
         scene = load_scene(scene)
     names = names or tuple(_name(source, letter) for source, letter in zip(sources, "AB", strict=True))
     found = [
-        None if _is_backend(source) else _read(source, name, kind, with_scene=scene is None)
+        None if _is_backend(source) else read_picture(source, name, kind, with_scene=scene is None)
         for source, name, kind in zip(sources, names, kinds, strict=True)
     ]
     known = scene or next((image.scene for image in found if image is not None and image.scene is not None), None)
@@ -62,21 +70,13 @@ def comparable(
     if a.values.shape != b.values.shape:
         sizes = " and ".join(f"{image.name} of {_size(image.values)}" for image in (a, b))
         raise InputError(f"{sizes}: images of different sizes cannot be compared")
-    return _of_equal_depth(_display(a, known), _display(b, known)), names, known
-
-
-def of_8_bits(image: np.ndarray) -> bool:
-    """Whether display values are all k / 255, as a file of 8 bits a channel gives them, and not all 0 or 1."""
-    steps = image * 255
-    return bool((np.abs(steps - np.rint(steps)) < 1e-3).all() and ((image > 0) & (image < 1)).any())
-
-
-def _of_equal_depth(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Both; where only one is of 8 bits, the other rounded to them: what such a file cannot hold is no difference."""
-    coarse = of_8_bits(a), of_8_bits(b)
-    if coarse[0] == coarse[1]:
-        return a, b
-    return tuple(np.rint(np.clip(image, 0, 1) * 255) / 255 for image in (a, b))
+    images = _display(a, known), _display(b, known)
+    # The depth of linear light says nothing of the display values that it is developed to.
+    depths = [image.depth for image in (a, b) if image.kind == "display" and image.depth.unit > FLOAT32.unit]
+    depth = max(depths, key=lambda depth: depth.unit, default=None)
+    if depth is not None:
+        images = tuple(map(depth.rounded, images))
+    return images, depth, names, known
 
 
 def rendering_of(text: str, scene: Scene | str | Path, size: tuple[int, int]) -> Rendering:
@@ -101,26 +101,49 @@ def _size(values: np.ndarray) -> str:
     return f"{values.shape[1]}x{values.shape[0]}"
 
 
-def _rendered(text: str, name: str, scene: Scene | None, size: tuple[int, int]) -> _Image:
+def _rendered(text: str, name: str, scene: Scene | None, size: tuple[int, int]) -> Picture:
     if scene is None:
         raise InputError(f"{name}: needs a scene to render (--scene)")
     image = np.asarray(rendering_of(text, scene, size).whole())
-    return _Image(name, _checked(image, name), "display", None)
+    return Picture(name, _checked(image, name), "display", FLOAT32, None)
 
 
-def _read(source: Any, name: str, kind: str | None, with_scene: bool) -> _Image:
-    """A file or an array. The scene is looked for only where it is wanted: it may be wrong where another is given."""
+def read_picture(source: Any, name: str, kind: str | None, with_scene: bool) -> Picture:
+    """Read a file, or take an array (height, width, 3) of floats or unsigned integers; its values become float64.
+
+    kind: one of `KINDS`; ``None`` for what the file says, or else what its ending usually holds. An array is "display".
+    with_scene: look for the scene, which may be wrong where another is given.
+
+    Raises:
+        InputError: there is no such image, or its values are not finite.
+    """
     if kind is not None and kind not in KINDS:
         raise InputError(f"{name}: unknown kind of values {kind!r}; {did_you_mean(kind, KINDS, 'there is')}")
     if not isinstance(source, str | Path):
-        return _Image(name, _checked(source, name), kind or "display", None)
-    image, metadata = read_image(source), read_metadata(source)
+        return Picture(name, _checked(source, name), kind or "display", _depth(source), None)
+    image, metadata, depth = read_image(source), read_metadata(source), read_depth(source)
     scene = _scene_in(metadata, name) if with_scene else None
     if isinstance(image, dict):
-        return _Image(name, _checked(image["display"], name), "display", scene)
+        return Picture(name, _checked(image["display"], name), "display", depth, scene)
     told = metadata.get("output")
-    kind = kind or (told if told in KINDS else file_format(Path(source)).output)
-    return _Image(name, _checked(image, name), kind, scene)
+    kind = kind or (told if told in KINDS else usual_kind(Path(source)))
+    return Picture(name, _checked(image, name), kind, depth, scene)
+
+
+def usual_kind(path: Path) -> str:
+    """What files of that ending usually hold; those that are not written here, such as DPX, hold display values."""
+    return file_format(path).output if path.suffix.lower() in FORMATS else "display"
+
+
+def _depth(array: Any) -> Depth:
+    """An array's depth by its type; floats that are all k / 255 are of 8 bits, unless they are all 0 or 1."""
+    array = np.asarray(array)
+    own = depth_of_dtype(array.dtype)
+    if own.unit > FLOAT32.unit:
+        return own
+    steps = array * 255
+    of_8_bits = (np.abs(steps - np.rint(steps)) < 1e-3).all() and ((array > 0) & (array < 1)).any()
+    return Depth(8) if of_8_bits else own
 
 
 def _scene_in(metadata: Mapping[str, str], name: str) -> Scene | None:
@@ -134,9 +157,12 @@ def _checked(image: Any, name: str) -> np.ndarray:
     array = np.asarray(image)
     if array.ndim != 3 or array.shape[2] != 3 or not array.size:
         raise InputError(f"{name}: an image is an array (height, width, 3), found {array.shape}")
-    if array.dtype.kind != "f":
-        raise InputError(f"{name}: an image's values are floats, with 1 for white, found {array.dtype}")
-    return finite(array.astype(np.float64, copy=False), name)
+    try:
+        return finite(values_of(array), name)
+    except NotFinite:
+        raise
+    except InputError as error:
+        raise InputError(str(error).replace("image:", f"{name}:", 1)) from None
 
 
 def finite(values: np.ndarray, name: str) -> np.ndarray:
@@ -156,7 +182,7 @@ def finite(values: np.ndarray, name: str) -> np.ndarray:
     return values
 
 
-def _display(image: _Image, known: Scene | None) -> np.ndarray:
+def _display(image: Picture, known: Scene | None) -> np.ndarray:
     """The image's display values; linear light is developed by the film of its own scene, or of the one given."""
     if image.kind == "display":
         return image.values

@@ -49,8 +49,10 @@ float sphereIntersect(vec3 ro, vec3 rd, Sphere s){
     if(d < 0.0) return -1.; // No intersection
 
     float c = dot(ro, ro) - s.radius*s.radius;
-    float q = b < 0.0 ? sqrt(d) - b : -(sqrt(d) + b);
-    float other = q == 0.0 ? c : c/q;
+    float larger = b < 0.0 ? sqrt(d) - b : sqrt(d) + b;
+    float most = larger*larger; // the roots' product is c: near the surface its error must not exceed that
+    float q = b < 0.0 ? larger : -larger;
+    float other = larger == 0.0 ? 0.0 : clamp(c, -most, most)/q;
     float t1 = b < 0.0 ? other : q;
     float t2 = b < 0.0 ? q : other;
 

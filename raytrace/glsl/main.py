@@ -4,7 +4,7 @@ from raytrace.glsl.choices import Choices
 from raytrace.glsl.functions import sphere_item
 from raytrace.shader.main import COMPONENTS, Steps
 
-__all__ = ["main_function", "step_function"]
+__all__ = ["before_tone_mapping", "main_function", "step_function"]
 
 _RAY = """\
 vec3 ro = camPos;
@@ -106,18 +106,24 @@ def _surface(t: str, normal: str, choices: Choices, kind: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+def before_tone_mapping(exposure: bool, white_balance: bool) -> str:
+    """``col`` after exposure and white balance, where there are any (`raytrace.shader.film.develop`)."""
+    developed = "exposureFactor * col" if exposure else "col"
+    if not white_balance:
+        return developed
+    return f"max(whiteBalance * {f'({developed})' if exposure else developed}, 0.)"
+
+
 def _written(choices: Choices) -> str:
     """From ``col`` to ``fragColor``."""
     if choices.output == "linear":
         return "fragColor = vec4(col, 1.); // Departure: linear light, before the film.\n"
-    developed = "col"
-    if choices.exposure:
-        developed = f"exposureFactor * {developed}"
-    if choices.white_balance:
-        developed = f"whiteBalance * ({developed})" if choices.exposure else f"whiteBalance * {developed}"
-    if choices.output == "steps":
-        return f"fragColor = stepColor(col, tonemapAndGammaCorrect({developed}));\n"
+    developed = before_tone_mapping(choices.exposure, choices.white_balance)
     note = "// Extension: exposure and white balance.\n" if developed != "col" else ""
+    if choices.white_balance:
+        note += "// Departure: white balance makes components of saturated colors negative; light is at least 0.\n"
+    if choices.output == "steps":
+        return f"{note}fragColor = stepColor(col, tonemapAndGammaCorrect({developed}));\n"
     return f"{note}fragColor = vec4(tonemapAndGammaCorrect({developed}), 1.);\n"
 
 

@@ -7,9 +7,10 @@ from typing import Any
 
 from raytrace.certify import Verification, read_certificate, verify
 from raytrace.compare import Comparison, failures
+from raytrace.compare.inputs import read_picture
 from raytrace.errors import EngineFailure, InputError
 from raytrace.golden.golden import BOUNDS, Golden
-from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest
+from raytrace.golden.manifest import MANIFEST, check_specification, file_hash, read_manifest
 from raytrace.golden.writing import ACCEPTANCE, DISPLAY
 from raytrace.image.formats import FORMATS
 from raytrace.rendering import Rendering
@@ -89,12 +90,18 @@ class GoldenFolder:
             except (InputError, EngineFailure) as error:
                 yield Checked(golden.name, (str(error),))
                 continue
-            yield self._checked(golden.name, comparison, asked)
+            yield self._checked(golden.name, image, comparison, asked)
 
-    def _checked(self, name: str, comparison: Comparison, asked: Mapping[str, float]) -> Checked:
+    def _checked(self, name: str, image: Any, comparison: Comparison, asked: Mapping[str, float]) -> Checked:
         if name not in self.certified:
             return Checked(name, tuple(failures(comparison, BOUNDS | asked)), comparison)
-        verification = verify(comparison.images[1], read_certificate(self.certified[name]))
+        # As the image is stored: the comparison has developed linear light, and rounded what is finer than the other.
+        certificate = read_certificate(self.certified[name])
+        if isinstance(image, str | Path):
+            found = read_picture(image, name, None, with_scene=False)
+            verification = verify(found.values, certificate, found.kind, found.depth)
+        else:
+            verification = verify(image, certificate)
         outside = () if verification.inside else tuple(str(verification).splitlines()[:2])
         return Checked(name, (*outside, *failures(comparison, asked)), comparison, verification)
 
@@ -103,10 +110,11 @@ def golden_folder(folder: str | Path) -> GoldenFolder:
     """The golden images of a folder that `raytrace golden` has made.
 
     Raises:
-        InputError: it has no manifest, or that is broken.
+        InputError: it has no manifest, that is broken, or its images are of another specification.
     """
     folder = Path(folder)
     manifest = read_manifest(folder)
+    check_specification(folder, manifest)
     goldens, broken = [], {}
     for name, entry in manifest.scenes.items():
         scene = scene_from_toml(entry.toml, f"{folder / MANIFEST}: scenes.{name}.toml")

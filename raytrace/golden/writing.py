@@ -20,6 +20,7 @@ from raytrace.image import write_image
 from raytrace.rendering import Rendering
 from raytrace.report import uniforms_report
 from raytrace.scene import Scene, scene_hash, scene_toml, scenes
+from raytrace.shader.specification import SPECIFICATION
 
 __all__ = ["ACCEPTANCE", "CERTIFICATE", "DISPLAY", "write_goldens"]
 
@@ -57,7 +58,7 @@ def write_goldens(
             )
             yield name
         versions = {"raytrace": version("raytrace"), "numpy": np.__version__}
-        manifest = Manifest(size=size, versions=versions, scenes=entries)
+        manifest = Manifest(specification=SPECIFICATION, size=size, versions=versions, scenes=entries)
         (temporary / MANIFEST).write_text(manifest.model_dump_json(indent=1) + "\n", encoding="utf-8")
 
 

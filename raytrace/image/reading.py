@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 
 from raytrace.errors import InputError
+from raytrace.image.depth import FLOAT32, Depth
 from raytrace.image.formats import metadata_of
 from raytrace.image.layers import STEP_CHANNELS, steps_of
 from raytrace.image.messages import quiet, told
 
-__all__ = ["read_image", "read_metadata", "read_planes"]
+__all__ = ["read_depth", "read_image", "read_metadata", "read_planes"]
 
 
 def read_image(path: str | Path) -> Any:
@@ -47,6 +48,10 @@ def read_planes(path: str | Path) -> dict[str, np.ndarray]:
             raise InputError(f"{path}: is not a whole image: {told(file)}")
     finally:
         file.close()
+    depth = _depth(spec)
+    if not depth.floating:
+        # OpenImageIO's quotients are not always the nearest float32, and it gives 10 bits as 16, nearly.
+        pixels = depth.rounded(pixels).astype(np.float32)
     return {name: pixels[..., k] for k, name in enumerate(spec.channelnames)}
 
 
@@ -61,6 +66,43 @@ def read_metadata(path: str | Path) -> dict[str, str]:
         return metadata_of({attribute.name: attribute.value for attribute in file.spec().extra_attribs})
     finally:
         file.close()
+
+
+def read_depth(path: str | Path) -> Depth:
+    """Return the depth of a file's colours, the coarsest of its colour channels.
+
+    That is what the file says of itself, whatever its values are. Floats that are wider than float32 count as float32,
+    to which they are rounded when they are read.
+
+    Raises:
+        InputError: there is no such file, or it is not an image.
+    """
+    file = _opened(Path(path))
+    try:
+        return _depth(file.spec())
+    finally:
+        file.close()
+
+
+def _depth(spec: Any) -> Depth:
+    """The depth that a file's description states."""
+    formats = [spec.format]
+    if spec.channelformats:
+        named = dict(zip(spec.channelnames, spec.channelformats, strict=True))
+        formats = [named[name] for name in "RGB" if name in named] or list(named.values())[:1]
+    depth = max(map(_stored_in, formats), key=lambda depth: depth.unit)
+    bits = spec.get_int_attribute("oiio:BitsPerSample", 0)
+    return Depth(bits) if not depth.floating and 0 < bits < depth.bits else depth
+
+
+def _stored_in(kind: Any) -> Depth:
+    """The depth of one of OpenImageIO's types of numbers; a sign takes a bit."""
+    depths = {"half": Depth(16, floating=True), "float": FLOAT32, "double": FLOAT32}
+    kind = str(kind)
+    if kind in depths:
+        return depths[kind]
+    bits = int(kind.lstrip("uint") or 32)
+    return Depth(bits if kind.startswith("u") else bits - 1)
 
 
 def _opened(path: Path) -> Any:

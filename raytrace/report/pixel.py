@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from raytrace.glsl.main import before_tone_mapping
 from raytrace.rendering import Rendering
 from raytrace.scene.data import OrthographicCamera, Plain, Scene
 from raytrace.shader.main import COMPONENTS
@@ -22,9 +23,11 @@ def _camera_lines(scene: Scene) -> dict[str, str]:
 
 def _film_line(scene: Scene) -> dict[str, str]:
     film = scene.film
+    color = before_tone_mapping(bool(film.exposure != 0), film.white_point is not None)
     if (film.tone_mapper, film.transfer) == ("aces", "gamma2.2"):
-        return {"display": "fragColor = vec4(tonemapAndGammaCorrect(col), 1.);"}
-    return {"display": f"// tone mapper {film.tone_mapper}, transfer function {film.transfer}"}
+        return {"display": f"fragColor = vec4(tonemapAndGammaCorrect({color}), 1.);"}
+    given = "" if color == "col" else f" of {color}"
+    return {"display": f"// tone mapper {film.tone_mapper}, transfer function {film.transfer}{given}"}
 
 
 def _sky_lines() -> dict[str, str]:

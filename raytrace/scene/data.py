@@ -188,7 +188,8 @@ class Film(_Record):
 
     exposure: stops (EV); the linear image is multiplied by 2**exposure.
     white_point: the colour that is to become white, as a correlated colour temperature in kelvin
-        (1667 ... 25000) or as CIE 1931 (x, y); ``None`` for no adaptation. A constant, not differentiable.
+        (1667 ... 25000) or as CIE 1931 (x, y); ``None`` for no adaptation. A constant, not differentiable. Components
+        that the adaptation makes negative become 0.
     tone_mapper: "aces", "reinhard", "hable", "none", or a function of a `Vec3` of linear light.
     transfer: "gamma2.2", "srgb" or "none".
     """

@@ -1,7 +1,7 @@
 """From linear light to display values (assignment, 'Skybox': tone mapping and colour space conversion)."""
 
 from raytrace.shader.control import step
-from raytrace.shader.glsl import Vec3, clamp, minimum, pow, select
+from raytrace.shader.glsl import Vec3, clamp, maximum, minimum, pow, select
 from raytrace.shader.literal import literal
 from raytrace.shader.uniforms import FilmUniforms, Program
 
@@ -69,9 +69,13 @@ def tonemap_and_gamma_correct(x: Vec3, program: Program) -> Vec3:
 
 @step
 def develop(linear: Vec3, film: FilmUniforms, program: Program) -> Vec3:
-    """Display values of the linear image: exposure and white balance, where there are any, then the assignment's."""
+    """Display values of the linear image: exposure and white balance, where there are any, then the assignment's.
+
+    White balance gives saturated colours negative components: such a colour lies outside the display's gamut. They
+    become 0. Tone mappers are made for light, which is never negative: below 0 they have poles, and some rise there.
+    """
     if film.exposure is not None:
         linear = film.exposure * linear
     if film.white_balance is not None:
-        linear = film.white_balance * linear
+        linear = maximum(film.white_balance * linear, 0)
     return tonemap_and_gamma_correct(linear, program)

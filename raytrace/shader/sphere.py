@@ -4,7 +4,7 @@ from math import inf
 from typing import NamedTuple
 
 from raytrace.shader.control import each, step
-from raytrace.shader.glsl import Vec3, dot, select, sqrt
+from raytrace.shader.glsl import Vec3, clamp, dot, select, smallest_divisor, sqrt
 from raytrace.shader.hit import Hit
 from raytrace.shader.namespace import constant
 from raytrace.shader.types import Bool, Float, Int
@@ -50,7 +50,8 @@ def robust_roots(ro: Vec3, rd: Vec3, radius: Float) -> Roots:
     """The same roots without cancellation.
 
     The discriminant compares the radius with the distance from the centre to the line, and the root that would
-    cancel is had from the product of both, c.
+    cancel is had from the product of both, c. Near the surface c itself cancels. Its error must not make that root the
+    larger one, so c is kept within the larger root's square; where both roots are 0 it is 0.
 
     Source: Haines, Guenther, Akenine-Moeller, 'Precision Improvements for Ray/Sphere Intersection',
     Ray Tracing Gems (2019), chapter 7.
@@ -60,9 +61,11 @@ def robust_roots(ro: Vec3, rd: Vec3, radius: Float) -> Roots:
     root = sqrt(d)
     c = dot(ro, ro) - radius * radius
     ahead = b < 0
-    q = select(ahead, root - b, -(root + b))
-    # q = 0 is a ray that starts on the sphere and touches it there: both roots are 0.
-    other = c / select(q == 0, 1, q)
+    larger = select(ahead, root - b, root + b)
+    most = larger * larger
+    q = select(ahead, larger, -larger)
+    # A ray that starts on the sphere and touches it there has both roots at 0, or too near to it to be divided by.
+    other = clamp(c, -most, most) / select(larger <= smallest_divisor(larger), 1, q)
     return Roots(d, select(ahead, other, q), select(ahead, q, other))
 
 

@@ -1,12 +1,12 @@
 """Functions of one number or vector at their ends: powers, tone mapping, normalisation, the sun's length."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from raytrace.exact import Exact, precision
+from raytrace.exact import precision
 from raytrace.scene.data import Film, Scene, Sun
 from raytrace.shader.film import TONE_MAPPERS, tonemap_and_gamma_correct
 from raytrace.shader.glsl import Vec3, normalize, pow
@@ -14,7 +14,7 @@ from raytrace.shader.literal import literal
 from raytrace.shader.sky import SKY_GRADIENT, SUN_GRADIENT
 from raytrace.stress.arithmetics import exactly, of_floats
 from raytrace.stress.effort import Effort
-from raytrace.stress.measure import INPUT, Point, summary, ulps
+from raytrace.stress.measure import INPUT, Point, at_one, summary, ulps
 from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["FunctionStress"]
@@ -22,6 +22,11 @@ __all__ = ["FunctionStress"]
 GAMMA = literal("5/11")
 #: Binary digits: nothing is decided here.
 BITS = 200
+#: Results below this many times the smallest normal number are counted apart: rounding may make them subnormal, and
+#: JAX takes those for 0.
+NORMAL = 1.001
+#: 1 - x of the x whose power 2400 is the smallest normal number of float32.
+LAST_OF_THE_LOBE = 1 - 2.0 ** (-126 / 2400)
 
 
 class FunctionStress:
@@ -29,7 +34,7 @@ class FunctionStress:
 
     def __init__(self, effort: Effort):
         self.effort = effort
-        self.random = np.random.default_rng(2)
+        self.random = np.random.default_rng((2, effort.seed) if effort.seed else 2)
         # Exact powers take their time, and so many say enough.
         self.cases = effort.cases // 8
         self.normalizers = [(a.name, a.dtype, a.of(normalize)) for a in of_floats()]
@@ -41,8 +46,13 @@ class FunctionStress:
         yield from self._of_a_number("sky_gradient", lambda x: pow(x, SKY_GRADIENT), -44, 0)
 
     def sun_lobe(self) -> Iterator[Point]:
-        """By how far the cosine is from 1."""
-        yield from self._of_a_number("sun_lobe", lambda x: pow(x, SUN_GRADIENT), -7, -1, lambda x: 1 - x)
+        """By how far the cosine is from 1, where the result is a normal number."""
+        places = sorted([*self.effort.decades(-7, -1), LAST_OF_THE_LOBE])
+        yield from self._lobe("sun_lobe", places, lambda result, normal: result >= normal)
+
+    def lobe_vanishes(self) -> Iterator[Point]:
+        """The same where the result is subnormal in float32, or would be 0."""
+        yield from self._lobe("lobe_vanishes", [LAST_OF_THE_LOBE, 0.1], lambda result, normal: result < normal)
 
     def tone_mapping(self) -> Iterator[Point]:
         for name in TONE_MAPPERS:
@@ -68,24 +78,34 @@ class FunctionStress:
         for length in self.effort.decades(-20, 20):
             yield from self._vectors("sun", length, given, cases=self.cases // 4)
 
-    def _of_a_number(
+    def _lobe(self, axis: str, places: Iterable[float], counted: Callable) -> Iterator[Point]:
+        yield from self._at_places(axis, lambda x: pow(x, SUN_GRADIENT), places, lambda x: 1 - x, counted=counted)
+
+    def _of_a_number(self, axis: str, function: Callable, low: int, high: int, formula: str = "") -> Iterator[Point]:
+        yield from self._at_places(axis, function, self.effort.decades(low, high), formula=formula)
+
+    def _at_places(
         self,
         axis: str,
         function: Callable,
-        low: int,
-        high: int,
+        places: Iterable[float],
         argument: Callable = lambda x: x,
         formula: str = "",
+        counted: Callable | None = None,
     ) -> Iterator[Point]:
+        """Measure `function` at `argument` of each place; `counted` tells which results count."""
         runs = [(a.name, a.dtype, a.of(function)) for a in of_floats()]
         # An eighth of a decade about each place.
         spread = 10 ** self.random.uniform(-1 / 16, 1 / 16, self.cases)
-        for x in self.effort.decades(low, high):
+        for x in places:
             for dtype in (np.float32, np.float64):
                 with np.errstate(all="ignore"):
                     args = argument(np.longdouble(x) * spread).astype(dtype)
                 args = args[np.isfinite(args)]
                 exact = exactly(function, args, bits=BITS)
+                if counted is not None:
+                    among = counted(exact.floats(), NORMAL * float(np.finfo(dtype).smallest_normal))
+                    args, exact = args[among], exact[among]
                 for name, its_dtype, run in runs:
                     if its_dtype is dtype and args.size:
                         with precision():
@@ -104,14 +124,7 @@ class FunctionStress:
             found = run(rounded)
             with precision():
                 if name.startswith("numpy"):
-                    moved = _at_one(Vec3(*(component.floats(np.longdouble) for component in exact)), ideal, dtype)
+                    moved = at_one(Vec3(*(component.floats(np.longdouble) for component in exact)), ideal, dtype)
                     yield Point(axis, length, f"{INPUT}, {dtype.__name__}", moved.size, None, **summary(moved))
-                errors = _at_one(found, exact, dtype)
+                errors = at_one(found, exact, dtype)
             yield Point(axis, length, name, errors.size, None, **summary(errors))
-
-
-def _at_one(found: Vec3, exact: Vec3, dtype: Any) -> np.ndarray:
-    """The errors of unit vectors' components in units in the last place of numbers just below 1."""
-    unit = float(np.spacing(dtype(0.75)))
-    errors = np.stack([np.abs((Exact.of(f) - e).floats()) / unit for f, e in zip(found, exact, strict=True)])
-    return np.where(np.isfinite(errors), errors, np.inf)

@@ -6,7 +6,7 @@ import numpy as np
 
 from raytrace.exact import Exact
 
-__all__ = ["INPUT", "Point", "summary", "ulps"]
+__all__ = ["INPUT", "Point", "at_one", "summary", "ulps"]
 
 #: Who errs where the numbers of a problem are rounded before anybody computes with them.
 INPUT = "rounding the input"
@@ -45,6 +45,13 @@ def ulps(found: np.ndarray, exact: Exact, dtype: Any) -> np.ndarray:
         error = np.abs((Exact.of(found) - exact).floats()) / unit
     same_infinity = found == exact.floats()
     return np.where(same_infinity, 0, np.where(np.isfinite(error), error, np.inf))
+
+
+def at_one(found: Any, exact: Any, dtype: Any) -> np.ndarray:
+    """The errors of vectors' components, (3, n), in units in the last place just below 1; infinite for NaN."""
+    unit = float(np.spacing(dtype(0.75)))
+    errors = np.stack([np.abs((Exact.of(f) - e).floats()) / unit for f, e in zip(found, exact, strict=True)])
+    return np.where(np.isfinite(errors), errors, np.inf)
 
 
 def summary(errors: np.ndarray, condition: np.ndarray | None = None) -> dict[str, float]:

@@ -24,7 +24,7 @@ class PlaneStress:
 
     def __init__(self, effort: Effort):
         self.effort = effort
-        self.random = np.random.default_rng(1)
+        self.random = np.random.default_rng((1, effort.seed) if effort.seed else 1)
         arithmetics = of_floats()
         self.planes = [(a.name, a.dtype, a.of(plane_intersect)) for a in arithmetics]
         self.patterns = [(a.name, a.dtype, a.of(_parity)) for a in arithmetics]

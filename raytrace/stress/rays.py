@@ -63,15 +63,16 @@ def answered(rays: Rays) -> Answer:
         behind = nearer < 0
         t, other = xp.where(behind, farther, nearer), xp.where(behind, nearer, farther)
         hit = meets & (t >= 0).value
-    return Answer(hit, t, other, _condition(rays, t.floats(np.longdouble)))
+        # The unit normal where the ray meets the sphere, times the direction: (out + t direction) . direction / radius.
+        incidence = root / exact.radius
+        normal = tree_map(lambda x: x.floats(np.longdouble), (out + t * exact.direction) / exact.radius)
+    return Answer(hit, t, other, _condition(rays, t.floats(np.longdouble), normal, incidence.floats(np.longdouble)))
 
 
-def _condition(rays: Rays, t: np.ndarray) -> np.ndarray:
+def _condition(rays: Rays, t: np.ndarray, normal: Vec3, incidence: np.ndarray) -> np.ndarray:
     origin, direction, center = (tree_map(np.asarray, v) for v in (rays.origin, rays.direction, rays.center))
     with np.errstate(all="ignore"):
-        normal = (origin + t * direction - center) / rays.radius
-        incidence = np.abs(dot(normal, direction))
-        moved = rays.radius.astype(np.longdouble)
+        moved = np.asarray(rays.radius).astype(np.longdouble)
         for n, o, d, c in zip(normal, origin, direction, center, strict=True):
             moved = moved + np.abs(n) * (np.abs(o) + np.abs(c) + np.abs(t * d))
         condition = moved / (incidence * np.abs(t))

@@ -15,6 +15,7 @@ from raytrace.stress.effort import Effort
 from raytrace.stress.measure import INPUT, Point, summary, ulps
 from raytrace.stress.peers import embree_sphere, mitsuba_sphere
 from raytrace.stress.rays import Rays, answered, everywhere, given, towards
+from raytrace.stress.search import climb, random_rays, rows_of
 
 __all__ = ["COMPARED", "SphereStress", "peers"]
 
@@ -26,6 +27,8 @@ ORIGIN = np.array([0.1, 0.7, -0.3], np.longdouble)
 COMPARED, MORE = 3e3, 10
 #: Rays pass the centre at up to this many radii.
 WIDEST = 1.5
+#: How many rays climb at a time.
+CLIMBERS = 400
 
 
 class Contender(NamedTuple):
@@ -43,7 +46,7 @@ class SphereStress:
         self.effort = effort
         others, _ = peers()
         self.contenders = [*_formulas(), *others]
-        self.random = np.random.default_rng(0)
+        self.random = np.random.default_rng(effort.seed)
 
     def distance(self) -> Iterator[Point]:
         # From half a radius above the surface on, and where textbook and robust are compared.
@@ -71,11 +74,38 @@ class SphereStress:
     def outside(self) -> Iterator[Point]:
         yield from self._about("outside", 1)
 
+    def search(self) -> Iterator[Point]:
+        """Hill climbing from random rays and from rays of all other axes, by the number of steps."""
+        height = 10.0 ** self.random.uniform(-8, 0)
+        axes = [
+            self._passing(10.0 ** self.random.uniform(0.1, 7)),
+            self._passing(10.0, 10.0 ** self.random.uniform(-6, 6)),
+            self._passing(10.0, offset=10.0 ** self.random.uniform(0, 7)),
+            towards(
+                self.random, ORIGIN, ORIGIN + 3 * AWAY, 1.0, 1 - 10.0 ** self.random.uniform(-14, 0, self.effort.cases)
+            ),
+            *(self._near(side, height) for side in (-1, 1)),
+        ]
+        known = np.concatenate([rows_of(rays)[: CLIMBERS // 10] for rays in axes])
+        start = np.concatenate([known, random_rays(self.random, CLIMBERS - len(known))])
+        for contender in self.contenders:
+            if not contender.name.endswith("robust"):
+                continue
+            random = np.random.default_rng((self.effort.seed, 1))
+            numbers, done = start, 0
+            for steps in (self.effort.climbing // 10, self.effort.climbing):
+                numbers, found = climb(contender.intersect, contender.dtype, numbers, steps - done, random)
+                done = steps
+                yield Point("search", steps, contender.name, len(numbers), None, **summary(found.ulp, found.condition))
+
     def _about(self, axis: str, side: int) -> Iterator[Point]:
         """Rays from near the surface, in all directions."""
         for height in self.effort.decades(-8, 0):
-            origin = ORIGIN - (1 + side * min(height, 0.999)) * AWAY
-            yield from self._points(axis, height, everywhere(self.random, origin, ORIGIN, 1.0, self.effort.cases))
+            yield from self._points(axis, height, self._near(side, height))
+
+    def _near(self, side: int, height: float) -> Rays:
+        origin = ORIGIN - (1 + side * min(height, 0.999)) * AWAY
+        return everywhere(self.random, origin, ORIGIN, 1.0, self.effort.cases)
 
     def _passing(self, ratio: float, radius: float = 1.0, offset: float = 0.0) -> Rays:
         radius = np.longdouble(radius)

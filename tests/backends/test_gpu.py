@@ -35,6 +35,10 @@ SCENES = {
     "orthographic": replace(BASE, camera=raytrace.OrthographicCamera(3.0, target=(0.3, 0, -1))),
     "reinhard": replace(BASE, film=raytrace.Film(0.5, 4000.0, "reinhard", "srgb")),
     "hable": replace(BASE, film=raytrace.Film(-1.0, None, "hable", "none")),
+    # Its red and green are negative after white balance.
+    "negative light": replace(
+        BASE, sky=raytrace.Sky((0, 0, 3.24), (0, 0.1, 3.24), (0, 0, 2)), film=raytrace.Film(1.3, 3000.0, "reinhard")
+    ),
     "white point": replace(BASE, film=raytrace.Film(0.0, (0.3, 0.35), "none", "gamma2.2")),
 }
 

@@ -8,6 +8,8 @@ import pytest
 import raytrace
 from raytrace.certify import certify, read_certificate, verify
 from raytrace.errors import InputError
+from raytrace.image import read_depth
+from raytrace.image.depth import FLOAT32
 from tests.processes import command
 
 SIZE = (96, 54)
@@ -130,3 +132,103 @@ def test_bad_input_is_one_line(arguments, line):
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith(line)
     assert done.stderr.count("\n") == 1
+
+
+#: Every file that is written, its bits, and what it holds; integers clip linear light.
+FILES = [
+    *((name, bits, output) for output in ("display", "linear") for name, bits in (("p.png", 8), ("p.png", 16))),
+    *((name, bits, output) for output in ("display", "linear") for name, bits in (("p.tif", 8), ("p.tif", 16))),
+    *((name, bits, output) for output in ("display", "linear") for name, bits in (("p.tif", 32), ("p.exr", 32))),
+    *(("p.exr", 16, output) for output in ("display", "linear")),
+]
+
+
+@pytest.fixture(scope="module")
+def exact():
+    return certify("checkerboard", SIZE)
+
+
+@pytest.fixture(scope="module")
+def rendered():
+    return {
+        output: np.asarray(raytrace.render("checkerboard", SIZE, backend="numpy", dtype="float64", output=output))
+        for output in ("display", "linear")
+    }
+
+
+@pytest.mark.parametrize("precision", ["real", "glsl-highp"])
+@pytest.mark.parametrize(("name", "bits", "output"), FILES)
+def test_a_file_of_any_depth_keeps_the_bounds_and_one_other_value_does_not(
+    name, bits, output, precision, rendered, certificate, exact
+):
+    """Rounded as the file stores it, a right image is inside; one channel two units further is found."""
+    bounds, image = {"real": exact, "glsl-highp": certificate}[precision], rendered[output]
+    raytrace.write_image(name, image, output=output, bits=bits)
+    depth, stored = read_depth(name), raytrace.read_image(name)
+    assert verify(stored, bounds, output, depth).inside
+    low, high = getattr(bounds.bounds, output)
+    unit = 2 * depth.half_unit(stored)
+    # Where an integer is not clipped, and bounds are narrow.
+    y, x, channel = np.argwhere((high - low < 1e-4) & (stored > 0.1) & (stored < 0.9))[7]
+    for other in ((high + 2 * unit)[y, x, channel], (low - 2 * unit)[y, x, channel]):
+        wrong = stored.astype(np.float64)
+        wrong[y, x, channel] = other
+        raytrace.write_image(name, wrong, output=output, bits=bits)
+        found = verify(raytrace.read_image(name), bounds, output, depth)
+        assert np.argwhere(found.by > 0).tolist() == [[y, x]]
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float16, np.float32, np.float64])
+def test_an_array_says_its_depth_by_its_type(dtype, rendered, certificate):
+    most = np.iinfo(dtype).max if np.dtype(dtype).kind == "u" else 1
+    image = rendered["display"]
+    assert verify(np.rint(image * most).astype(dtype) if most > 1 else image.astype(dtype), certificate).inside
+
+
+@pytest.mark.parametrize("kind", ["file", "uint8", "float"])
+def test_an_image_of_only_0_and_255_is_of_8_bits(kind, tmp_path):
+    """Nearly black and nearly white: rounded to 8 bits only 0 and 255 are left."""
+    scene = raytrace.Scene(
+        spheres=raytrace.Spheres([[0, 0, 0]], [1.0], [[0.001, 0.999, 0.0015]]),
+        sky=raytrace.Sky([0.999] * 3, [0.999] * 3, [0.0012] * 3),
+        lighting="off",
+        sun=raytrace.Sun(color=[0.999] * 3),
+        film=raytrace.Film(tone_mapper="none", transfer="none"),
+    )
+    image = np.asarray(raytrace.render(scene, (16, 9), backend="numpy", dtype="float64"))
+    levels = np.rint(image * 255).astype(np.uint8)
+    assert set(np.unique(levels)) == {0, 255}
+    bounds = certify(scene, (16, 9))
+    given, depth = {"uint8": (levels, None), "float": (levels / 255, None), "file": (None, None)}[kind]
+    if kind == "file":
+        raytrace.write_image(tmp_path / "e.png", image)
+        given, depth = raytrace.read_image(tmp_path / "e.png"), read_depth(tmp_path / "e.png")
+    found = verify(given, bounds, depth=depth)
+    assert (found.inside, found.of_8_bits) == (True, True)
+    # Its float32 image is no image of 8 bits, and one of 8 bits stored as a float is not right.
+    assert not verify(levels / 255, bounds, depth=FLOAT32).inside
+
+
+def test_half_floats_that_overflow_are_as_bright_as_they_can_be(tmp_path):
+    scene = raytrace.Scene(
+        sky=raytrace.Sky([1e5, 2, 1], [1e5, 2, 1], [3e5, 0, 1]), sun=raytrace.Sun(direction=[0, -1, 0])
+    )
+    linear = np.asarray(raytrace.render(scene, (16, 9), backend="numpy", dtype="float64", output="linear"))
+    bounds = certify(scene, (16, 9))
+    with np.errstate(over="ignore"):
+        infinite = linear.astype(np.float32).astype(np.float16)
+    assert np.isinf(infinite[..., 0]).all()
+    assert verify(infinite, bounds, "linear").inside
+    wrong = infinite.copy()
+    wrong[3, 4, 1] = np.inf
+    assert (verify(wrong, bounds, "linear").by > 0).sum() == 1
+
+
+@pytest.mark.parametrize(("name", "bits", "output"), [("h.png", 16, "display"), ("h.exr", 16, "linear")])
+def test_our_own_files_are_inside_by_the_commands(tmp_path, name, bits, output):
+    picture, size = str(tmp_path / name), ("--size", "48x27")
+    options = ("--backend", "numpy", "--dtype", "float64", "--bits", str(bits), "--output", output)
+    assert command("render", "checkerboard", *size, *options, "-o", picture).returncode == 0
+    told = command("verify", picture, "--scene", "checkerboard", "--json")
+    assert told.returncode == 0, told.stdout + told.stderr
+    assert json.loads(told.stdout)["depth"] == {"h.png": "16 bits", "h.exr": "half float"}[name]

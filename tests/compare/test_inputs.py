@@ -107,7 +107,7 @@ def test_a_file_of_nan_is_refused():
     [
         (np.zeros((3, 3)), {}, r"A: an image is an array \(height, width, 3\), found \(3, 3\)"),
         (np.zeros((0, 3, 3)), {}, r"A: an image is an array"),
-        (np.zeros((2, 2, 3), np.uint8), {}, "A: an image's values are floats, with 1 for white, found uint8"),
+        (np.zeros((2, 2, 3), np.int64), {}, "A: an image's values are floats, with 1 for white, or unsigned integers"),
         ("nowhere.png", {}, r"nowhere\.png: no such file"),
         ("backend:numpy", {}, r"backend:numpy: needs a scene"),
         ("backend:nunpy", {"scene": "sphere"}, r"backend: unknown 'nunpy'; did you mean 'numpy'"),
@@ -127,6 +127,32 @@ def test_a_broken_scene_in_a_file_matters_only_where_none_is_given():
     with pytest.raises(InputError, match=r"a\.png: the scene in its metadata: not TOML"):
         compare("a.png", image)
     assert compare("a.png", image, scene="sphere").over == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "bits", "depth"), [("b.png", 8, "8 bits"), ("b.png", 16, "16 bits"), ("b.exr", 16, "half float")]
+)
+def test_what_a_file_cannot_hold_is_no_difference(name, bits, depth):
+    """Files say how finely they store, so the other image is rounded to the same, even one of 0 and 255 alone."""
+    image = np.random.default_rng(0).uniform(0, 1, (12, 12, 3)).astype(np.float32)
+    raytrace.write_image(name, image, bits=bits)
+    found = compare(image, name, kinds=(None, "display"))
+    assert (found.largest.value, found.to_dict()["depth"]) == (0, depth)
+    assert f"12x12, {depth} a channel" in str(found)
+    extremes = np.where(image < 0.5, 0.0004, 0.9999)
+    raytrace.write_image("c.png", extremes)
+    assert compare(extremes, "c.png").largest.value == 0
+    # Of an array alone it is not known.
+    assert compare(extremes, np.rint(extremes)).largest.value == 0.0004
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float16])
+def test_arrays_say_by_their_type_how_finely_they_store(dtype):
+    image = np.random.default_rng(0).uniform(0, 1, (12, 12, 3)).astype(np.float32)
+    most = 1 if dtype is np.float16 else np.iinfo(dtype).max
+    stored = (image if most == 1 else np.rint(image.astype(float) * most)).astype(dtype)
+    assert compare(image, stored).largest.value == 0
+    assert compare(image + 2 / 255, stored).over == 144
 
 
 def test_where_one_is_of_8_bits_the_other_is_rounded_to_them():

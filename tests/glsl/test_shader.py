@@ -73,6 +73,19 @@ def test_departures_are_marked():
     )
 
 
+@pytest.mark.parametrize("output", ["display", "steps"])
+@pytest.mark.parametrize("exposure", [0.0, 1.0])
+def test_light_is_at_least_0_after_white_balance(output, exposure):
+    """A marked departure, only where a white point is given."""
+    emitted = text(replace(BASE, film=raytrace.Film(exposure, 3000.0)), output=output)
+    inner = "whiteBalance * (exposureFactor * col)" if exposure else "whiteBalance * col"
+    assert f"tonemapAndGammaCorrect(max({inner}, 0.))" in emitted
+    assert "// Departure: white balance makes components of saturated colors negative" in emitted
+    without = text(replace(BASE, film=raytrace.Film(exposure)), output=output)
+    assert "white balance makes" not in without
+    assert ("tonemapAndGammaCorrect(exposureFactor * col)" if exposure else "tonemapAndGammaCorrect(col)") in without
+
+
 def test_what_a_scene_lacks_is_not_in_its_text():
     bare = text(raytrace.Scene())
     for word in ("Sphere", "Plane", "lightAtPoint", "checkerboard", "infinity", "for("):

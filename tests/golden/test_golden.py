@@ -15,6 +15,7 @@ import raytrace
 from raytrace.compare.metrics import pixels_over, similarity
 from raytrace.golden import BOUNDS, backend_source, folder_source, golden_folder, golden_scenes, write_goldens
 from raytrace.image import read_metadata
+from raytrace.shader.specification import SPECIFICATION
 from raytrace.testing import goldens
 from tests.engines import need
 from tests.processes import COMMAND, command, started
@@ -72,6 +73,29 @@ def test_certificates_prove_the_images_and_bound_others():
     wrong = results(backend_source("opengl", shader="skybox.frag"))["skybox"]
     assert wrong.comparison.ssim.mean > 0.99
     assert wrong.failed[0].startswith("outside at ")
+
+
+def test_goldens_of_another_specification_are_refused_in_one_line():
+    """Manifests of the first specification do not state it."""
+    folder = made(names=("skybox",))
+    path = folder / "manifest.json"
+    manifest = json.loads(path.read_text())
+    assert manifest.pop("specification") == SPECIFICATION == 2
+    for stated, told in (
+        ({}, "golden images of specification 1; this is specification 2 (components that a white point makes negative"),
+        ({"specification": 1}, "golden images of specification 1; this is specification 2"),
+        ({"specification": 3}, "golden images of specification 3, made by a newer raytrace"),
+    ):
+        path.write_text(json.dumps(manifest | stated))
+        done = command("check", "G", "--backend", "numpy")
+        assert (done.returncode, done.stdout) == (2, "")
+        assert done.stderr.startswith(f"raytrace: G/manifest.json: {told}")
+        assert done.stderr.count("\n") == 1
+        with pytest.raises(raytrace.InputError, match="golden images of specification"):
+            goldens(folder)
+    # An old folder can be made again in its place.
+    made(names=("skybox",))
+    assert command("check", "G", "--backend", "numpy", "--report", "r.html").returncode == 0
 
 
 def contents(folder):

@@ -4,7 +4,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import raytrace
+from raytrace.intervals import GLSL_HIGHP, REAL, Namespace
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS, develop
+from raytrace.shader.glsl import Vec3
+from raytrace.shader.tree import tree_map
 from raytrace.uniforms import program_of, uniforms_of
 from tests.strategies import numbers, vec3
 
@@ -87,3 +90,68 @@ def test_display_values_are_within_0_and_1_and_keep_the_order(mapper, transfer, 
 
 def test_a_tone_mapper_of_ones_own():
     assert film([0.25, 0.5, 1], tone_mapper=lambda x: x * x, transfer="none") == (0.0625, 0.25, 1)
+
+
+#: A blue that the white balance takes out of gamut: its red and green become negative.
+BLUE = (0, 0, 3.24)
+
+
+@pytest.mark.parametrize("mapper", TONE_MAPPERS)
+@pytest.mark.parametrize("exposure", [0.0, 1.0, 1.5, 2.0, 16.0])
+def test_light_that_a_white_point_makes_negative_is_black(mapper, exposure):
+    """Whatever the tone mapper makes of negative numbers: ACES rises below 0, Reinhard's has a pole at -1."""
+    settings = {"exposure": exposure, "tone_mapper": mapper}
+    balanced = film(BLUE, exposure=exposure, white_point=3000.0, tone_mapper=lambda x: x, transfer="none")
+    display = film(BLUE, white_point=3000.0, **settings)
+    assert (display.x, display.y) == (0, 0)
+    assert display.z > 0.5
+    # Blue is what it is without the other two.
+    assert display.z == film([0, 0, balanced.z], tone_mapper=mapper).z or balanced.z == 1
+
+
+@pytest.mark.parametrize("mapper", TONE_MAPPERS)
+def test_without_a_white_point_nothing_is_clamped_before_the_tone_mapper(mapper):
+    """A scene has no negative light; what a foreign file has is developed as it is."""
+    seen = []
+    program = program_of(raytrace.Scene(film=raytrace.Film(tone_mapper=lambda x: seen.append(x) or x)), "textbook")
+    develop(vec3([-1, 0, 1]), uniforms_of(raytrace.Scene(), 1.0).film, program)
+    assert [float(x) for x in seen[0]] == [-1, 0, 1]
+
+
+def test_derivatives_of_light_that_a_white_point_makes_negative_are_finite():
+    """Reinhard's pole lay between 1 and 2 stops."""
+    import jax
+    import jax.numpy as jnp
+
+    def display(linear, stops):
+        scene = raytrace.Scene(film=raytrace.Film(exposure=stops, white_point=3000.0, tone_mapper="reinhard"))
+        shown = develop(Vec3(*linear), uniforms_of(scene, 1.0).film, program_of(scene, "robust"))
+        return shown.x + shown.y + shown.z
+
+    def slopes(stops):
+        return jax.grad(display, argnums=(0, 1))(jnp.array(BLUE), stops)
+
+    by_light, by_stops = jax.jit(jax.vmap(slopes))(jnp.linspace(1.0, 2.0, 257))
+    assert np.isfinite(by_light).all()
+    assert np.isfinite(by_stops).all()
+    assert (np.asarray(by_light)[:, 2] > 0).all()
+
+
+@pytest.mark.parametrize("mapper", ["aces", "reinhard"])
+def test_every_arithmetic_and_every_bound_agrees_on_negative_light(mapper):
+    """Red and green are exactly 0 in floats; the bounds of both models hold that and are as narrow as elsewhere."""
+    import jax.numpy as jnp
+
+    scene = raytrace.Scene(film=raytrace.Film(1.3, 3000.0, mapper))
+    given, program = uniforms_of(scene, 1.0).film, program_of(scene, "robust")
+
+    def display(number):
+        return develop(Vec3(*map(number, BLUE)), tree_map(number, given), program)
+
+    for number in (np.float32, np.float64, np.longdouble, jnp.float32):
+        assert display(number)[:2] == (0, 0)
+    for model in (REAL, GLSL_HIGHP):
+        red, green, blue = display(Namespace(model).given)
+        assert red.low == green.low == 0
+        assert max(red.high, green.high) <= 1e-6
+        assert blue.low <= display(np.float64).z <= blue.high <= blue.low + 1e-4
