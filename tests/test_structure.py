@@ -30,7 +30,7 @@ LAYERS = [
     {"export", "report"},
     {"compare"},
     {"certify"},
-    {"mutants"},
+    {"mutants", "conformance"},
     {"inverse"},
     {"golden"},
     {"testing"},

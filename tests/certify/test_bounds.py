@@ -15,7 +15,7 @@ SIZE = (96, 54)
 SMALL = (48, 27)
 #: That of the golden images, whose programs are shared.
 GOLDEN = (480, 270)
-A_FEW = ("checkerboard", "inside-a-sphere", "orthographic", "overlapping-spheres", "sun-in-the-picture")
+A_FEW = ("shadows", "inside-a-sphere", "orthographic", "overlapping-spheres", "sun-in-the-picture")
 ALL = pytest.mark.parametrize("name", list(scenes()))
 MOSTLY_FULL = pytest.mark.parametrize("name", some(scenes(), "checkerboard"))
 

@@ -129,7 +129,7 @@ def test_the_bounds_are_the_hull_of_all_courses(intersection):
 
 
 @FORMULAS
-@pytest.mark.slow
+@pytest.mark.full
 def test_the_bounds_are_the_hull_of_all_courses_in_many_scenes(intersection):
     assert assert_all_courses_are_followed(range(100, 400), intersection) >= 100
 

@@ -60,7 +60,7 @@ def test_engines_are_within(engine):
     assert (result.images, result.missing) == (48, {})
 
 
-@pytest.mark.slow
+@pytest.mark.full
 def test_jax_is_within():
     """Of two structures, as each is a program to compile."""
     result = study(24, 2, engines=("jax",), structures=(STRUCTURES[0], STRUCTURES[8]))

@@ -85,6 +85,7 @@ def test_a_drag_turns_the_scene_with_the_pointer(show):
     assert differing(page.pixels(), page.rendered()) <= EDGES
 
 
+@pytest.mark.full
 def test_it_stops_before_the_pole(show):
     """A TOML that looks along up could not be read."""
     page = show()
@@ -120,6 +121,7 @@ def test_every_camera_turns_and_zooms(show, name):
     assert page.copied()[0].camera == before
 
 
+@pytest.mark.full
 def test_two_fingers_zoom(show):
     page = show(has_touch=True)
     touch = page.page.context.new_cdp_session(page.page)
@@ -224,6 +226,7 @@ def test_spheres_in_a_texture(show):
     assert differing(page.pixels(), page.rendered()) <= EDGES
 
 
+@pytest.mark.full
 def test_pixels_of_the_screen(show):
     page = show(device_scale_factor=2)
     assert page.copied()[1] == (2 * SIZE[0], 2 * SIZE[1])
@@ -243,6 +246,7 @@ def test_copy(show):
     assert page.page.evaluate("navigator.clipboard.readText()") == page.toml()
 
 
+@pytest.mark.full
 def test_copy_where_the_clipboard_is_refused(show):
     page = show(script="navigator.clipboard.writeText = () => Promise.reject(new Error('refused'))")
     page.page.click("#copy")
@@ -272,6 +276,7 @@ def test_without_a_picture_there_is_a_message(show, script, told):
     assert page.copied()[0] == BASE
 
 
+@pytest.mark.full
 def test_a_lost_context(show):
     page = show()
     picture = page.pixels()

@@ -66,7 +66,7 @@ def test_random_scenes(number):
             assert_inside(scene, intersection, SIZE, seed)
 
 
-@pytest.mark.slow
+@pytest.mark.full
 @pytest.mark.parametrize("number", range(len(STRUCTURES)))
 def test_many_random_scenes(number):
     for seed in range(3, 9):
