@@ -17,12 +17,13 @@ from raytrace.rendering import check_size
 from raytrace.scene import Scene, check_scene, load_scene, scene_hash, scene_toml
 from raytrace.scene.toml import scene_from_toml
 from raytrace.shader.pixel import Frame
+from raytrace.shader.specification import SPECIFICATION, VERSIONS
 from raytrace.shader.sphere import INTERSECTIONS
 from raytrace.shader.tree import tree_map
 from raytrace.tables import html_table, text_table
 from raytrace.uniforms import program_of, uniforms_of
 
-__all__ = ["ASSUMPTIONS", "FORMULAS", "PRECISIONS", "Certificate", "certify", "read_certificate"]
+__all__ = ["ASSUMPTIONS", "FORMULAS", "PRECISIONS", "Certificate", "certify", "check_specification", "read_certificate"]
 
 PRECISIONS = {model.name: model for model in (REAL, GLSL_HIGHP)}
 #: What may be asked of a GPU: either formula for the sphere, or the other, as long as it is the same at a pixel.
@@ -154,6 +155,7 @@ class Certificate:
         planes["reason"] = self.bounds.reason.astype(np.float32)
         metadata = {
             "certificate": "1",
+            "specification": str(SPECIFICATION),
             "scene": scene_toml(self.scene),
             "scene_sha256": scene_hash(self.scene),
             "precision": self.precision,
@@ -211,15 +213,16 @@ def _formulas(intersection: str) -> tuple[str, ...]:
 
 
 def read_certificate(path: str | Path) -> Certificate:
-    """The certificate in a file that `Certificate.write` has written.
+    """Read a certificate from a file that `Certificate.write` has written.
 
     Raises:
-        InputError: there is no such file, or it is no certificate.
+        InputError: there is no such file, it is no certificate, or it is of another specification.
     """
     path = Path(path)
     metadata, planes = read_metadata(path), read_planes(path)
     if "certificate" not in metadata or "reason" not in planes:
         raise InputError(f"{path}: is no certificate; 'raytrace certify' makes one")
+    check_specification(path, "a certificate", metadata.get("specification", "1"), "raytrace certify")
 
     def layer(name: str) -> tuple[np.ndarray, np.ndarray]:
         ends = (np.stack([planes[f"{name}.{end}.{channel}"] for channel in "RGB"], axis=-1) for end in _ENDS)
@@ -229,6 +232,28 @@ def read_certificate(path: str | Path) -> Certificate:
     reason = planes["reason"].astype(np.uint8)
     bounds = Bounds(layer("display"), layer("linear"), reason, np.where(reason > 0, 2, 1).astype(np.int32))
     return Certificate(scene, metadata["precision"], metadata["intersection"], bounds)
+
+
+def check_specification(path: Path, what: str, found: int | str, command: str) -> None:
+    """Check that a file is of the specification that this package computes (`raytrace.shader.specification`).
+
+    what: what the file holds. found: the version that it states. command: what makes such a file.
+
+    Raises:
+        InputError: it is of another version, older or newer.
+    """
+    theirs = int(found)
+    if theirs < SPECIFICATION:
+        changed = "; ".join(change for number, change in VERSIONS.items() if number > theirs)
+        raise InputError(
+            f"{path}: {what} of specification {theirs}; this is specification {SPECIFICATION} ({changed}); "
+            f"make it again with '{command}'"
+        )
+    if theirs > SPECIFICATION:
+        raise InputError(
+            f"{path}: {what} of specification {theirs}, made by a newer raytrace; "
+            f"this one knows specification {SPECIFICATION}; upgrade it"
+        )
 
 
 def _float32(values: np.ndarray, outward: float) -> np.ndarray:

@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from raytrace.certify import Verification, read_certificate, verify
+from raytrace.certify.certificate import check_specification
 from raytrace.compare import Comparison, failures
 from raytrace.compare.inputs import read_picture
 from raytrace.errors import EngineFailure, InputError
 from raytrace.golden.golden import BOUNDS, Golden
-from raytrace.golden.manifest import MANIFEST, check_specification, file_hash, read_manifest
+from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest
 from raytrace.golden.writing import ACCEPTANCE, DISPLAY
 from raytrace.image.formats import FORMATS
 from raytrace.rendering import Rendering
@@ -114,7 +115,7 @@ def golden_folder(folder: str | Path) -> GoldenFolder:
     """
     folder = Path(folder)
     manifest = read_manifest(folder)
-    check_specification(folder, manifest)
+    check_specification(folder / MANIFEST, "golden images", manifest.specification, "raytrace golden")
     goldens, broken = [], {}
     for name, entry in manifest.scenes.items():
         scene = scene_from_toml(entry.toml, f"{folder / MANIFEST}: scenes.{name}.toml")

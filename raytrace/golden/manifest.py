@@ -8,9 +8,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from raytrace.errors import InputError
 from raytrace.files import reason
-from raytrace.shader.specification import SPECIFICATION, VERSIONS
 
-__all__ = ["MANIFEST", "Entry", "Manifest", "check_specification", "file_hash", "read_manifest"]
+__all__ = ["MANIFEST", "Entry", "Manifest", "file_hash", "read_manifest"]
 
 MANIFEST = "manifest.json"
 
@@ -63,26 +62,6 @@ def read_manifest(folder: Path) -> Manifest:
         first = error.errors(include_url=False)[0]
         place = ".".join(map(str, first["loc"]))
         raise InputError(f"{path}: broken{f' at {place}' if place else ''}: {first['msg']}") from None
-
-
-def check_specification(folder: Path, manifest: Manifest) -> None:
-    """Check that the images are of the specification that this package computes.
-
-    Raises:
-        InputError: they are of another one, older or newer.
-    """
-    theirs = manifest.specification
-    if theirs < SPECIFICATION:
-        changed = "; ".join(what for version, what in VERSIONS.items() if version > theirs)
-        raise InputError(
-            f"{folder / MANIFEST}: golden images of specification {theirs}; this is specification {SPECIFICATION} "
-            f"({changed}); make them again with 'raytrace golden'"
-        )
-    if theirs > SPECIFICATION:
-        raise InputError(
-            f"{folder / MANIFEST}: golden images of specification {theirs}, made by a newer raytrace; "
-            f"this one knows specification {SPECIFICATION}; upgrade it"
-        )
 
 
 def file_hash(path: Path) -> str:

@@ -8,7 +8,7 @@ import pytest
 import raytrace
 from raytrace.certify import certify, read_certificate, verify
 from raytrace.errors import InputError
-from raytrace.image import read_depth
+from raytrace.image import read_depth, read_metadata, read_planes, write_planes
 from raytrace.image.depth import FLOAT32
 from tests.processes import command
 
@@ -41,6 +41,18 @@ def test_an_ordinary_image_is_no_certificate(tmp_path, image):
     raytrace.write_image(tmp_path / "a.png", image)
     with pytest.raises(InputError, match="is no certificate; 'raytrace certify' makes one"):
         read_certificate(tmp_path / "a.png")
+
+
+@pytest.mark.parametrize("stated", [None, "1", "3"])
+def test_a_certificate_of_another_specification_is_refused(tmp_path, certificate, stated):
+    """Certificates of the first specification do not state it."""
+    path = tmp_path / "c.exr"
+    certificate.write(path)
+    metadata, planes = read_metadata(path), read_planes(path)
+    assert metadata.pop("specification") == "2"
+    write_planes(path, planes, metadata=metadata | ({} if stated is None else {"specification": stated}))
+    with pytest.raises(InputError, match=f"a certificate of specification {stated or 1}"):
+        read_certificate(path)
 
 
 def test_inside(certificate, image):
