@@ -100,8 +100,9 @@ def fit_sun(
     kind: "display" or "linear", what the values are; by default what the file says, or its ending.
     exposure: whether to find the film's exposure as well.
     starts: how many guesses are followed at the most; a second one is if it is nearly as likely as the first.
-    samples, antialias: how the picture's pixels were made, as for `raytrace.render`; by default what the file says, or
-    what explains the picture.
+    samples, antialias: how the picture's pixels were made, as for `raytrace.render`; by default what the file says. A
+    picture that does not say it is taken to have one sample a pixel; if that does not fit, others are tried, which may
+    fail: give them where they are known.
     progress: called with 1 after each step; there are about `steps_of(starts)`.
 
     Raises:
