@@ -30,7 +30,7 @@ def hable(x: Vec3) -> Vec3:
     def curve(x):
         return x * ((1 - E / F) * A * x + (C - E / F) * B) / (x * (A * x + B) + D * F)
 
-    return curve(2 * x) / curve(W.like(x.x))
+    return curve(2 * x) / curve(W.like(x.x if isinstance(x, Vec3) else x))
 
 
 def linear(x: Vec3) -> Vec3:
