@@ -34,7 +34,13 @@ def assert_finite(gradient):
 
 @jax.jit
 def gradient_of_any(scene):
-    return jax.grad(lambda scene: raytrace.render(scene, SIZE).sum())(scene)
+    """The image is a leaf beside the gradient's own."""
+
+    def brightness(scene):
+        image = raytrace.render(scene, SIZE)
+        return image.sum(), image
+
+    return jax.grad(brightness, has_aux=True)(scene)
 
 
 @SEVERAL_SCENES
@@ -82,7 +88,6 @@ def test_derivatives_are_finite_at_the_limits_of_size(size):
         ),
     )
     check_scene(scaled)
-    assert np.isfinite(raytrace.render(scaled, SIZE)).all()
     assert_finite(gradient_of_any(scaled))
 
 
@@ -149,7 +154,7 @@ def test_derivatives_are_those_of_finite_differences():
     with jax.enable_x64(True):
         x = jnp.array([0.3, 0.5, 0.8]), jnp.array([0.5, 0.6, 0.7]), jnp.array(0.2)
         ball = jax.jit(lit_ball)
-        gradient = jax.grad(lit_ball)(x)
+        gradient = jax.jit(jax.grad(lit_ball))(x)
         for k, part in enumerate(x):
             for i in np.ndindex(part.shape):
 
@@ -171,14 +176,14 @@ def test_forward_mode_is_reverse_mode(name):
 
     with jax.enable_x64(True):
         direction = jnp.array([1.0, 0.75, 1.0])
-        forward, reverse = np.asarray(jax.jacfwd(brightness)(direction)), np.asarray(jax.grad(brightness)(direction))
+        forward, reverse = (np.asarray(jax.jit(mode(brightness))(direction)) for mode in (jax.jacfwd, jax.grad))
     np.testing.assert_allclose(forward, reverse, rtol=1e-9)
 
 
 @pytest.mark.parametrize("lighting", some(["on", "shadow"], "on"))
 def test_loops_that_stay_loops_have_the_same_derivatives(lighting):
     """With many spheres the winner's body is run again for the derivative; with few, the loop is written out."""
-    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(5), lighting=lighting)
+    scene = replace(raytrace.load_scene("checkerboard"), spheres=many(3), lighting=lighting)
     if lighting == "on":
         scene = replace(scene, planes=())
 
@@ -211,4 +216,4 @@ def test_gradients_pass_the_rounding_to_float32():
 
 def test_samples_are_differentiable():
     scene = raytrace.load_scene("sphere")
-    assert_finite(jax.grad(lambda scene: raytrace.render(scene, SIZE, samples=3).sum())(scene))
+    assert_finite(jax.jit(jax.grad(lambda scene: raytrace.render(scene, SIZE, samples=2).sum()))(scene))

@@ -102,12 +102,12 @@ def test_bands_are_the_whole_image(monkeypatch):
 
 
 def test_types_of_the_results():
-    image = raytrace.render("sphere", (8, 4))
+    image = raytrace.render("checkerboard", SIZE)
     assert isinstance(image, jax.Array)
     assert image.dtype == jnp.float32
-    assert isinstance(raytrace.render("sphere", (8, 4), dtype="float64"), np.ndarray)
+    assert isinstance(raytrace.render("checkerboard", SIZE, dtype="float64"), np.ndarray)
     with jax.enable_x64(True):
-        image = raytrace.render("sphere", (8, 4), dtype="float64")
+        image = raytrace.render("checkerboard", SIZE, dtype="float64")
         assert isinstance(image, jax.Array)
         assert image.dtype == jnp.float64
 
@@ -202,10 +202,10 @@ def test_another_scenes_values_are_not_compiled_again():
     from raytrace.backends.jax.renderer import _compiled
 
     scene = raytrace.load_scene("checkerboard")
-    raytrace.render(scene, (40, 20))
+    raytrace.render(scene, SIZE)
     before = _compiled.cache_info().misses
-    raytrace.render(replace(scene, sun=raytrace.Sun(direction=[0, 1, 0])), (40, 20))
-    raytrace.render(raytrace.load_scene("checkerboard", ["camera.position=[0,1,3]", "spheres[0].radius=1"]), (40, 20))
+    raytrace.render(replace(scene, sun=raytrace.Sun(direction=[0, 1, 0])), SIZE)
+    raytrace.render(raytrace.load_scene("checkerboard", ["camera.position=[0,1,3]", "spheres[0].radius=1"]), SIZE)
     assert _compiled.cache_info().misses == before
 
 
@@ -221,7 +221,7 @@ def test_importing_raytrace_leaves_jax_alone():
             "scene = raytrace.load_scene('checkerboard')\n"
             "import jax\n"
             "assert len(jax.tree.leaves(scene)) > 20\n"
-            "raytrace.render(scene, (8, 4), dtype='float64')\n"
+            "raytrace.render('skybox', (8, 4), dtype='float64')\n"
             "assert not jax.config.jax_enable_x64\n",
         ],
         check=True,

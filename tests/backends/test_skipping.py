@@ -162,7 +162,7 @@ def test_spheres_that_touch_a_ray(column, row, distance, radius, data, intersect
     assert_same_bits(*both(replace(scene, spheres=spheres), intersection=intersection))
 
 
-@pytest.mark.parametrize("n", some([6, 300], 6))
+@pytest.mark.parametrize("n", some([3, 6, 300], 3))
 def test_gradients(n):
     scene = replace(raytrace.load_scene("checkerboard"), spheres=many(n))
 

@@ -41,7 +41,7 @@ def test_it_prints_as_a_table_of_fixed_width(two_backends):
 
 
 def test_json_is_strict_where_ssim_is_undefined(two_backends):
-    table = matrix("sphere", (4, 4))
+    table = matrix("skybox", (4, 4))
     report = json.loads(table.to_json(), parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
     assert report["ssim"] == [[None] * 4] * 4
     assert report["over"] == [[0] * 4] * 4
