@@ -240,9 +240,12 @@ def check_specification(path: Path, what: str, found: int | str, command: str) -
     what: what the file holds. found: the version that it states. command: what makes such a file.
 
     Raises:
-        InputError: it is of another version, older or newer.
+        InputError: it is of another version, older or newer, or of none.
     """
-    theirs = int(found)
+    try:
+        theirs = int(found)
+    except ValueError:
+        raise InputError(f"{path}: specification: must be a whole number, found {found!r}") from None
     if theirs < SPECIFICATION:
         changed = "; ".join(change for number, change in VERSIONS.items() if number > theirs)
         raise InputError(

@@ -1,6 +1,7 @@
 """Commands that go from images back to scenes: `fit-sun`, and how right derivatives are, `gradients`."""
 
 import json
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -12,27 +13,53 @@ from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 
 __all__ = ["fit_sun", "gradients", "sun_trials"]
 
+_FAILED = 1
+
 
 def fit_sun(
-    image: Annotated[Path, typer.Argument(help="A picture of the scene: PNG, EXR or TIFF, of display values.")],
-    scene: Annotated[str, typer.Option("--scene", help="A built-in scene's name or a TOML file.")] = DEFAULT_SCENE,
+    image: Annotated[Path, typer.Argument(help="A picture of the scene: PNG, EXR, TIFF, JPEG.")],
+    scene: Annotated[
+        str | None,
+        typer.Option(
+            "--scene", help="A built-in scene's name or a TOML file; default: the file's own, or checkerboard."
+        ),
+    ] = None,
     changes: Changes = [],  # noqa: B006 (typer's way)
+    kind: Annotated[str | None, typer.Option("--is", help="display or linear; default: what the file says.")] = None,
     exposure: Annotated[bool, typer.Option("--exposure", help="Find the exposure as well.")] = False,
-    starts: Annotated[int, typer.Option(help="Directions from which the descent starts.")] = 4,
+    samples: Annotated[
+        int | None, typer.Option(help="n for n x n samples a pixel; default: what the file says, or what explains it.")
+    ] = None,
+    antialias: Annotated[str | None, typer.Option(help="none, or edges; default: as for --samples.")] = None,
+    starts: Annotated[int, typer.Option(help="Guesses that are followed at the most, if nearly as likely.")] = 4,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Also write the scene with that sun, TOML.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Also draw the way down, an .svg or .png file.")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Also draw the way there, an .svg or .png file.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """The direction of the sun in a picture of a scene."""
+    """The direction of the sun in a picture of a scene; exit code 1 if the picture does not tell it."""
+    from raytrace.inverse.fit import DoesNotFit, NotDetermined, fitted_scene, steps_of
     from raytrace.inverse.fit import fit_sun as fitted
-    from raytrace.inverse.fit import fitted_scene, steps_of
+    from raytrace.inverse.picture import scene_seen
     from raytrace.inverse.plot import plot as plot_fit
     from raytrace.scene.toml import save_scene
 
     check_plot(plot)
-    known = load_scene(scene, changes)
-    with progress(steps_of(starts), "fitting") as advance:
-        found = fitted(image, known, exposure=exposure, starts=starts, progress=advance)
+    known = scene_seen(image, scene, changes)
+    try:
+        with progress(steps_of(starts), "fitting") as advance:
+            found = fitted(
+                image,
+                known,
+                kind=kind,
+                exposure=exposure,
+                starts=starts,
+                samples=samples,
+                antialias=antialias,
+                progress=advance,
+            )
+    except (NotDetermined, DoesNotFit) as error:
+        print(f"raytrace: {image}: {error}", file=sys.stderr)
+        raise typer.Exit(_FAILED) from None
     if out:
         save_scene(fitted_scene(known, found), out)
     if plot:
@@ -45,16 +72,19 @@ def sun_trials(
     suns: Annotated[int, typer.Option(help="How many random suns.")] = 50,
     size: Size = "192x108",
     samples: Annotated[int, typer.Option(help="n for n x n samples a pixel of the images.")] = 1,
+    seed: Annotated[int, typer.Option(help="Of the random suns and of the noise.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """How near fit-sun comes to random suns, from noisy images of 8 bits."""
+    """How near fit-sun comes to random suns, from noisy images of 8 bits, and how often its regions hold them."""
     from raytrace.inverse.trials import told, trials
 
     if suns < 1:
         raise InputError(f"suns: must be 1 at least, found {suns}")
+    if seed < 0:
+        raise InputError(f"seed: must be 0 at least, found {seed}")
     known, shape, found = load_scene(scene), size_of(size), []
     with progress(suns, "fitting") as advance:
-        for trial in trials(known, suns, shape, samples):
+        for trial in trials(known, suns, shape, samples, seed):
             found.append(trial)
             advance(1)
     print(json.dumps([trial._asdict() for trial in found], indent=1) if as_json else told(found))

@@ -1,7 +1,7 @@
 """Two images, from wherever they come, made comparable: finite display values of one shape."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +32,7 @@ class Picture:
     """An image as it was found: its values (height, width, 3), what they are, and what its file says of its origin.
 
     kind: one of `KINDS`. depth: what the values are stored as. scene: the scene in the file's metadata, if that was
-    asked for.
+    asked for. metadata: all of it.
     """
 
     name: str
@@ -40,6 +40,7 @@ class Picture:
     kind: str
     depth: Depth
     scene: Scene | None
+    metadata: Mapping[str, str] = field(default_factory=dict)
 
 
 def comparable(
@@ -124,10 +125,10 @@ def read_picture(source: Any, name: str, kind: str | None, with_scene: bool) -> 
     image, metadata, depth = read_image(source), read_metadata(source), read_depth(source)
     scene = _scene_in(metadata, name) if with_scene else None
     if isinstance(image, dict):
-        return Picture(name, _checked(image["display"], name), "display", depth, scene)
+        return Picture(name, _checked(image["display"], name), "display", depth, scene, metadata)
     told = metadata.get("output")
     kind = kind or (told if told in KINDS else usual_kind(Path(source)))
-    return Picture(name, _checked(image, name), kind, depth, scene)
+    return Picture(name, _checked(image, name), kind, depth, scene, metadata)
 
 
 def usual_kind(path: Path) -> str:

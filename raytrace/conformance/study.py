@@ -57,6 +57,7 @@ def study(
     scene i has number i of them, counted round and round. done: is told of each scene.
     """
     images, pixels, outside, wide, missing = 0, 0, [], [], {}
+    drew: set[str] = set()
     cases = [*_random(scenes, seed, structures), *(_built_in() if built_in else ())]
     for case in cases:
         certificate = certify(case.scene, case.size, precision="glsl-highp", intersection=case.intersection or "either")
@@ -67,8 +68,11 @@ def study(
             try:
                 drawn = list(_drawn(case, engine))
             except InputError as error:
+                if engine in drew:
+                    raise
                 missing[engine] = str(error)
                 continue
+            drew.add(engine)
             for kind, image in drawn:
                 found = verify(image, certificate, kind)
                 images, pixels = images + 1, pixels + found.by.size

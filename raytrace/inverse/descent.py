@@ -1,162 +1,197 @@
-"""The way down from one start: Adam's steps, then Gauss's and Newton's, over an image that knows its edges."""
+"""Pictures whose pixels are means over their squares: least squares, and the linear function that they end in.
+
+Such a picture has slopes everywhere, those of its edges too. So the least squares are SciPy's, with the Jacobian by
+JAX's forward mode, and near the end the picture is linear in the sun as far as its noise can tell.
+"""
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
-from raytrace.inverse.shrunk import coarse, shrunk
-from raytrace.inverse.slopes import moved, sun_slopes
-from raytrace.rendering import render
-from raytrace.scene.data import Scene
-from raytrace.scene.sun import sun_angles
+from raytrace.inverse.blocks import Blocks
+from raytrace.inverse.likelihood import WRONG, Noise, log_likelihood, noise_of
+from raytrace.inverse.posterior import Chart, Posterior, Stage
 
-__all__ = ["Course", "Descent"]
+__all__ = ["Linear", "descended", "widened"]
 
-#: Adam's first step, in radians, or stops.
-ADAM_RATE = 0.02
+#: Pictures from which the slopes are computed, at the most, with one estimate of the noise.
+MOST = 10
+#: How often the noise is estimated anew.
+ROUNDS = 4
+#: The descent has ended where a step changes the sun by less than this, in radians.
+STEP = 1e-7
 #: Cauchy's distribution has 95 % of the efficiency of least squares for normal noise at this scale.
 CAUCHY = 2.385
-#: Radians, or stops, by which is looked around at first.
-AROUND = 1e-3
-#: Of so many pixels is the picture that descends; the differences of a larger image are means over them.
-PIXELS = 192 * 108
-#: The sides of the squares of samples that a picture's pixels may have been made of.
-SAMPLINGS = (1, 2, 4, 16)
+#: A pull towards the start that keeps a direction in its place along which the picture does not change.
+WEAK = 1e-6
+#: The spread around its end that is looked at, in radians (or stops).
+LEAST_SPREAD, MOST_SPREAD = 2e-5, 0.01
+#: Pixels of a chunk.
+CHUNK = 1 << 12
+
+#: The values (blocks, SIDE * SIDE, 3) under a sun and an exposure, and their slopes along two axes and by stops.
+Drawn = Callable[[np.ndarray, float, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
-class Course(NamedTuple):
-    """The way from one start: the loss (mean squared difference) and the sun's angles after each step."""
+@dataclass(frozen=True)
+class Linear:
+    """A picture near one sun: `values` + `changes` @ `slopes`, at the pixels of `blocks`.
 
-    loss: np.ndarray
-    azimuth: np.ndarray
-    elevation: np.ndarray
-
-
-class Descent:
-    """The way down from one start. The direction moves in its tangent plane, so that no angle is singular."""
-
-    def __init__(self, image: np.ndarray, scene: Scene, exposure: bool, antialias: str, direction: Any, stops: float):
-        self.image, self.scene, self.exposure, self.antialias = image, scene, exposure, antialias
-        self.direction, self.stops = direction, stops
-        self.size = coarse(image.shape[1::-1], PIXELS)
-        self.target = shrunk(image, self.size)
-        self.losses: list[float] = []
-        self.angles: list[tuple[float, float]] = []
-        self.uncertainty = math.inf
-
-    def told(self) -> Course:
-        azimuth, elevation = np.array(self.angles).T
-        return Course(np.array(self.losses), azimuth, elevation)
-
-    def by_adam(self, steps: int, step: Callable[[int], Any]) -> None:
-        import optax
-
-        optimizer = optax.adam(optax.cosine_decay_schedule(ADAM_RATE, steps))
-        state = optimizer.init(np.zeros(2 + self.exposure))
-        for _ in range(steps):
-            difference, slopes = self._looked()
-            gradient = 2 * slopes @ difference / difference.size
-            change, state = optimizer.update(gradient, state)
-            self._go(np.asarray(change, np.float64))
-            step(1)
-
-    def by_gauss_newton(self, steps: int, step: Callable[[int], Any], sampling: int | None = None) -> None:
-        """Steps to where the weighted difference from the image has no slope.
-
-        With a `sampling` the difference is that of a picture sampled so, and so has no bias where that is the image's
-        own; the slopes are those of the mean over each pixel all the same.
-        """
-        for _ in range(steps):
-            difference, slopes = self._looked(sampling)
-            weighted = slopes * _weights(difference)
-            change = -np.linalg.lstsq(weighted @ slopes.T, weighted @ difference, rcond=1e-9)[0]
-            # A step is as far as the picture can be taken to be linear.
-            self._go(change * min(1.0, 0.05 / max(np.abs(change).max(), 1e-30)))
-            step(1)
-        difference, slopes = self._looked(sampling)
-        weights = _weights(difference)
-        curvature = np.linalg.pinv((slopes * weights) @ slopes.T)
-        covariance = curvature @ ((slopes * (weights * difference) ** 2) @ slopes.T) @ curvature
-        self.uncertainty = math.degrees(math.sqrt(np.linalg.eigvalsh(covariance[:2, :2])[-1]))
-
-    def by_looking_around(self, looks: int, sampling: int | None) -> None:
-        """To where as few pixels as possible are off: with few samples a picture changes in jumps, which have no slope.
-
-        Nelder's and Mead's simplex, over the logarithm of Cauchy's distribution.
-        """
-        from scipy.optimize import minimize
-
-        if not sampling:
-            return
-        scale = _scale(self._sampled(sampling) - self.target)
-        start, stops, axes = self.direction, self.stops, _tangents(self.direction)
-
-        def loss(change: np.ndarray) -> float:
-            self.direction, self.stops = start, stops
-            self._go(change, axes)
-            return float(np.log1p(((self._sampled(sampling) - self.target) / scale) ** 2).sum())
-
-        corners = AROUND * np.vstack([np.full(2 + self.exposure, -0.3), np.eye(2 + self.exposure)])
-        found = minimize(
-            loss,
-            0 * corners[0],
-            method="Nelder-Mead",
-            options={"initial_simplex": corners, "maxfev": looks, "xatol": 1e-6},
-        )
-        loss(found.x)
-        self._looked(sampling)
-
-    def sampling(self) -> int | None:
-        """The side of the square of samples with which this sun's picture is nearest to the image; ``None``: means."""
-        finest = SAMPLINGS[-1] * self.size[0] / self.image.shape[1]
-        means = self._drawn()[0]
-        pictures = {None: means, **{n: self._sampled(n) for n in SAMPLINGS if n == 1 or n <= finest}}
-        return min(pictures, key=lambda n: float(np.median(np.abs(pictures[n] - self.target))))
-
-    def _looked(self, sampling: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """What the picture here has more than the image, and its derivatives: arrays (n,) and (parameters, n)."""
-        picture, slopes = self._drawn()
-        if sampling:
-            picture = self._sampled(sampling)
-        difference = (picture - self.target).reshape(-1)
-        self.losses.append(float(np.mean(difference**2)))
-        self.angles.append(tuple(map(float, sun_angles(self.direction))))
-        return difference, slopes.reshape(len(slopes), -1)
-
-    def _drawn(self) -> tuple[np.ndarray, np.ndarray]:
-        lit = moved(self.scene, self.direction, self.stops)
-        picture, slopes = sun_slopes(lit, self.size, _tangents(self.direction), self.antialias)
-        return picture, slopes[: 2 + self.exposure]
-
-    def _sampled(self, samples: int) -> np.ndarray:
-        """The picture at the image's own size, with so many samples, and then its means."""
-        lit = moved(self.scene, self.direction, self.stops)
-        return shrunk(np.asarray(render(lit, self.image.shape[1::-1], samples=samples)), self.size)
-
-    def _go(self, change: np.ndarray, axes: np.ndarray | None = None) -> None:
-        direction = self.direction + change[:2] @ (_tangents(self.direction) if axes is None else axes)
-        self.direction = direction / np.linalg.norm(direction)
-        if self.exposure:
-            self.stops = float(np.clip(self.stops + change[2], -16, 16))
-
-
-def _weights(difference: np.ndarray) -> np.ndarray:
-    """How far to trust each value: Cauchy's weights, for differences that are much larger than most are.
-
-    Where the picture was sampled too coarsely for the ground's pattern it has others than its mean, and darker ones.
+    chart: the coordinates of the changes, around that sun. values, target: (blocks, SIDE * SIDE, 3). slopes:
+    (dimensions, blocks, SIDE * SIDE, 3). noise: of most pixels. course: the mean squared difference and the sun after
+    each step.
     """
-    return 1 / (1 + (difference / _scale(difference)) ** 2)
+
+    chart: Chart
+    blocks: Blocks
+    target: np.ndarray
+    values: np.ndarray
+    slopes: np.ndarray
+    noise: Noise
+    course: list[tuple[float, np.ndarray]]
+
+    def log_likelihoods(self, changes: np.ndarray) -> np.ndarray:
+        """Return the logarithm of the target's probability for changes (n, dimensions) of the sun."""
+        pixels = self.target.reshape(-1, 3), self.values.reshape(-1, 3), self.slopes.reshape(len(self.slopes), -1, 3)
+        total, count = np.zeros(len(changes)), len(pixels[0])
+        for first in range(0, count, CHUNK):
+            some = np.arange(first, first + CHUNK)
+            inside = self.blocks.inside.reshape(-1)[some % count] & (some < count)
+            target, values, slopes = (part[..., some % count, :].astype(np.float32) for part in pixels)
+            found = _log_likelihoods()(
+                target, values, slopes, inside, changes.astype(np.float32), *self.noise.numbers()
+            )
+            total += np.asarray(found, np.float64)
+        return total
+
+    def moved(self, drawn: Drawn, change: np.ndarray) -> "Linear":
+        """Return the picture around another sun, in the chart around that."""
+        chart = Chart.around(*self.chart.sun(change))
+        values, slopes = drawn(*chart)
+        inside = self.blocks.inside
+        course = [*self.course, (float(np.mean((values - self.target)[inside] ** 2)), chart.direction)]
+        noise = noise_of(self.target[inside], values[inside], self.noise.half)
+        return replace(self, chart=chart, values=values, slopes=slopes[: len(change)], noise=noise, course=course)
+
+    def laplace(self) -> Stage:
+        """Return the normal distribution of the changes if the noise is independent and the picture right."""
+        slopes, weights = self._weighted()
+        change = np.linalg.lstsq((slopes * weights) @ slopes.T, (slopes * weights) @ self._left(), rcond=1e-12)[0]
+        return Stage(change, np.linalg.inv((slopes * weights) @ slopes.T + 1e-12 * np.eye(len(slopes))))
+
+    def around(self) -> Stage:
+        """Return a distribution that is wide enough for what the slopes do not know, such as shadows that move."""
+        stage = self.laplace()
+        slopes, weights = self._weighted()
+        # Equal pixels are rounded equally: all errors may have the sign that moves the sun most.
+        rounding = np.abs(stage.covariance @ (slopes * weights)).sum(-1) * self.noise.half
+        values, vectors = np.linalg.eigh(9 * (stage.covariance + self.clustered()) + np.diag(rounding**2))
+        spread = np.clip(values, LEAST_SPREAD**2, MOST_SPREAD**2)
+        return Stage(np.zeros(len(stage.mean)), (vectors * spread) @ vectors.T)
+
+    def clustered(self) -> np.ndarray:
+        """Return the covariance (dimensions, dimensions) that holds where errors within a block depend on each other.
+
+        That is the sandwich of the inverse curvature and the scatter of the blocks' scores (K.-Y. Liang, S. L. Zeger,
+        Biometrika 73, 1986): it counts in the model's own error, which lies along edges.
+        """
+        slopes, weights = self._weighted()
+        scores = (slopes * weights * self._left()).reshape(len(slopes), len(self.target), -1).sum(-1)
+        inverse = np.linalg.inv((slopes * weights) @ slopes.T + 1e-12 * np.eye(len(slopes)))
+        return inverse @ (scores @ scores.T) @ inverse
+
+    def _left(self) -> np.ndarray:
+        return np.where(self.blocks.inside[..., None], self.target - self.values, 0).reshape(-1)
+
+    def _weighted(self) -> tuple[np.ndarray, np.ndarray]:
+        """The slopes, and each value's weight: the inverse variance, times the chance that its pixel is not wrong."""
+        variance = self.noise.sigma**2 + self.noise.half**2 / 3
+        squared = ((self.target - self.values) ** 2).sum(-1) / variance
+        density = (1 - WRONG) * np.exp(-squared / 2) / (2 * np.pi * variance) ** 1.5
+        weights = density / (density + WRONG) / variance * self.blocks.inside
+        return self.slopes.reshape(len(self.slopes), -1), np.repeat(weights.reshape(-1), 3)
 
 
-def _scale(difference: np.ndarray) -> float:
-    """The scale of Cauchy's distribution for noise as large as most of the differences are."""
-    return CAUCHY * max(1.4826 * float(np.median(np.abs(difference))), 1e-6)
+def descended(
+    drawn: Drawn,
+    target: np.ndarray,
+    half: float,
+    blocks: Blocks,
+    start: tuple[np.ndarray, float],
+    exposure: bool,
+    step: Callable[[int], Any],
+) -> Linear:
+    """Return the picture around the sun that explains `target`, (blocks, SIDE * SIDE, 3), best.
+
+    half: half of the step between two values that the picture can store. start: a sun's direction and an exposure.
+    exposure: whether that changes too. step: called with 1 after each picture.
+    """
+    from scipy.optimize import least_squares
+
+    chart, dimensions = Chart.around(*start), 2 + exposure
+    inside = blocks.inside
+    known: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+    course: list[tuple[float, np.ndarray]] = []
+
+    def picture(change: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        key = change.tobytes()
+        if key not in known:
+            # A direction may have any length, so the slopes along the axes are those of the chart.
+            stops = chart.stops + (float(change[2]) if exposure else 0.0)
+            values, slopes = drawn(chart.direction + change[:2] @ chart.axes, stops, chart.axes)
+            known[key] = values, slopes[:dimensions]
+            course.append((float(np.mean((values - target)[inside] ** 2)), chart.sun(change)[0]))
+            step(1)
+        return known[key]
+
+    def residual(change: np.ndarray) -> np.ndarray:
+        return np.append((picture(change)[0] - target)[inside].reshape(-1), WEAK * change)
+
+    def jacobian(change: np.ndarray) -> np.ndarray:
+        return np.vstack([picture(change)[1][:, inside].reshape(dimensions, -1).T, WEAK * np.eye(dimensions)])
+
+    change = np.zeros(dimensions)
+    for _ in range(ROUNDS):
+        # Most pixels have the noise alone; as they come to fit, those that do not fit count less.
+        values = picture(change)[0][inside]
+        noise = noise_of(target[inside], values, half)
+        scale = CAUCHY * math.hypot(noise.sigma, half / math.sqrt(3))
+        found = least_squares(
+            residual, change, jacobian, loss="cauchy", f_scale=scale, xtol=STEP, ftol=1e-9, gtol=None, max_nfev=MOST
+        )
+        before, change = change, found.x
+        if np.abs(change - before).max() < 10 * STEP:
+            break
+    there = Linear(chart, blocks, target, *picture(change), noise, course)
+    # The slopes once more, along tangents of the sun that was found.
+    return there.moved(drawn, change)
 
 
-def _tangents(direction: np.ndarray) -> np.ndarray:
-    """Two unit vectors (2, 3) across a unit vector."""
-    first = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(direction, first)])
+def widened(posterior: Posterior, covariance: np.ndarray) -> Posterior:
+    """Return the posterior with its changes spread to the variance of `covariance` where this is larger."""
+    mean, own = posterior.stage()
+    root = np.linalg.cholesky(own + 1e-18 * np.eye(len(own)))
+    whitened = np.linalg.solve(root, np.linalg.solve(root, covariance).T)
+    values, vectors = np.linalg.eigh((whitened + whitened.T) / 2)
+    spread = vectors @ np.diag(np.sqrt(np.maximum(values, 1))) @ vectors.T
+    away = np.linalg.solve(root, (posterior.changes - mean).T)
+    return posterior._replace(changes=mean + (root @ spread @ away).T)
+
+
+@lru_cache
+def _log_likelihoods() -> Any:
+    import jax
+    import jax.numpy as jnp
+
+    def many(target: Any, values: Any, slopes: Any, inside: Any, changes: Any, sigma: Any, half: Any) -> Any:
+        def one(change: Any) -> Any:
+            there = jnp.clip(values + jnp.tensordot(change, slopes, 1), 0, 1)
+            return log_likelihood(target, tuple(jnp.moveaxis(there, -1, 0)), inside, sigma, half)
+
+        return jax.lax.map(one, changes)
+
+    return jax.jit(many)

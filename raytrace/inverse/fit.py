@@ -1,37 +1,28 @@
-"""The sun's direction from a picture: least squares, from several starts, over an image that knows its edges."""
+"""The sun's direction from a picture, with regions that hold it, or the reason why the picture does not tell it."""
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from raytrace.compare.film import developed, film_of
 from raytrace.errors import InputError
-from raytrace.image import read_image
-from raytrace.inverse.descent import Course, Descent
-from raytrace.inverse.shrunk import coarse, shrunk
+from raytrace.inverse.explaining import Course, End, explained
+from raytrace.inverse.picture import EDGES, Target, target_of
+from raytrace.inverse.posterior import degrees_between, quantile
+from raytrace.inverse.search import KEPT
 from raytrace.inverse.slopes import moved
-from raytrace.rendering import render
+from raytrace.rendering import MOST_SAMPLES
 from raytrace.scene.check import check_scene
 from raytrace.scene.data import Scene
-from raytrace.scene.sun import sun_angles, sun_direction
-from raytrace.scene.toml import load_scene
+from raytrace.scene.sun import sun_angles
 
-__all__ = ["Course", "SunFit", "fit_sun", "fitted_scene"]
+__all__ = ["Course", "DoesNotFit", "NotDetermined", "SunFit", "fit_sun", "fitted_scene"]
 
-#: Directions above the horizon that are looked at first, in pictures of so many pixels.
-LOOKED_AT, SMALL = 192, 64 * 36
-#: Steps of Adam's for each start, which bears a bad one; then Gauss's and Newton's for the best, which end at once.
-ADAM_STEPS, LAST_STEPS = 40, 8
-#: How often is looked around the end, where the picture seems to have few samples.
-LOOKS_AROUND = 60
-#: Starts are at least so many degrees apart.
-APART = 12.0
-#: Exposures that are tried, where it is unknown too.
-EXPOSURES = (-2.0, -1.0, 0.0, 1.0, 2.0)
+#: The sun is not determined where the region that holds it with 95 % reaches farther than this, in degrees.
+WIDEST = 10.0
 
 
 @dataclass(frozen=True)
@@ -39,131 +30,165 @@ class SunFit:
     """The sun that was found.
 
     direction: a unit vector (3,). azimuth, elevation: in degrees (`raytrace.sun_angles`). exposure: in stops, the
-    scene's own unless it was asked for. residual: the root of the mean squared difference of display values, or
-    of their means over about 192 x 108 squares where the image is larger.
-    uncertainty: the standard deviation of the direction in degrees, along its least certain axis, from the curvature at
-    the minimum and the residual, as if that were independent noise. history: a course for each start, the best first.
+    scene's own unless it was asked for.
+    within_68, within_95: the true sun is within so many degrees of the direction, with a probability of 68 % and 95 %.
+    uncertainty: the standard deviation of the direction in degrees, along its least certain axis.
+    residual: the root of the mean squared difference of display values. noise: the standard deviation of the noise that
+    most pixels have, in display values and before rounding.
+    sampling: how the picture's pixels were made: n for n x n samples, or "edges" for means.
+    history: a course for each guess that was followed, the best first.
     """
 
     direction: np.ndarray
     azimuth: float
     elevation: float
     exposure: float
-    residual: float
+    within_68: float
+    within_95: float
     uncertainty: float
+    residual: float
+    noise: float
+    sampling: int | str
     history: tuple[Course, ...]
 
     def __str__(self) -> str:
         x, y, z = self.direction
         return (
-            f"azimuth {self.azimuth:.3f}, elevation {self.elevation:.3f} degrees, +- {self.uncertainty:.3f}; "
+            f"azimuth {self.azimuth:.3f}, elevation {self.elevation:.3f} degrees; "
+            f"68 % within {self.within_68:.2g}, 95 % within {self.within_95:.2g} degrees; "
             f"direction [{x:.5f}, {y:.5f}, {z:.5f}]; residual {self.residual:.4f}"
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The same for JSON, without the history."""
-        return {
-            "direction": self.direction.tolist(),
-            "azimuth": self.azimuth,
-            "elevation": self.elevation,
-            "exposure": self.exposure,
-            "residual": self.residual,
-            "uncertainty": self.uncertainty,
-        }
+        """Return the same for JSON, without the history."""
+        told = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "history"}
+        return told | {"direction": self.direction.tolist()}
+
+
+class NotDetermined(RuntimeError):
+    """The picture does not tell where the sun is: very different suns explain it equally well."""
+
+
+class DoesNotFit(RuntimeError):
+    """No sun explains the picture: what is left over is not the picture's noise.
+
+    proposals: what explains it, as flags of the command: `--exposure`, `--set film.transfer=srgb`. fit: the best sun
+    all the same.
+    """
+
+    def __init__(self, message: str, proposals: tuple[str, ...], fit: SunFit):
+        super().__init__(message)
+        self.proposals, self.fit = proposals, fit
 
 
 def fit_sun(
     image: Any,
-    scene: Scene | str | Path,
+    scene: Scene | str | Path | None = None,
     *,
+    kind: str | None = None,
     exposure: bool = False,
     starts: int = 4,
-    antialias: str = "edges",
+    samples: int | None = None,
+    antialias: str | None = None,
     progress: Callable[[int], Any] | None = None,
 ) -> SunFit:
-    """The direction of the sun in a picture of `scene`, whose own sun does not matter but for its colour.
+    """Find the direction of the sun in a picture of `scene`, whose own sun does not matter but for its colour.
 
-    image: display values in [0, 1], an array (height, width, 3) of at least 16 x 16 pixels, or an image file.
+    image: a file, or an array (height, width, 3) of at least 16 x 16 pixels: floats from 0 to 1, uint8, uint16, or
+    numbers from 0 to 255.
+    scene: by default the one in the file's metadata, or else the default one.
+    kind: "display" or "linear", what the values are; by default what the file says, or its ending.
     exposure: whether to find the film's exposure as well.
-    starts: how many of the best of the directions that are looked at first are followed.
-    antialias: "none" shows what the derivative is worth that does not see edges move.
-    progress: called with the number of steps done; there are `steps_of(starts)`.
+    starts: how many guesses are followed at the most; a second one is if it is nearly as likely as the first.
+    samples, antialias: how the picture's pixels were made, as for `raytrace.render`; by default what the file says. For
+    a picture that does not say it, one sample a pixel is tried at first; where that does not fit, 2 x 2, 4 x 4 and
+    means.
+    progress: called with 1 after each step; there are about `steps_of(starts)`.
 
     Raises:
-        InputError: the image or an argument is no such thing; the scene has nothing that the sun shows on.
+        InputError: the image or an argument is wrong.
+        NotDetermined: very different suns explain the picture equally well.
+        DoesNotFit: no sun explains the picture.
     """
-    target = _checked(image)
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
-    check_scene(scene)
-    if not isinstance(starts, int) or not 1 <= starts <= LOOKED_AT:
-        raise InputError(f"starts: must be a whole number from 1 to {LOOKED_AT}, found {starts!r}")
+    target = target_of(image, scene, kind)
+    check_scene(target.scene)
+    if not isinstance(starts, int) or not 1 <= starts <= KEPT:
+        raise InputError(f"starts: must be a whole number from 1 to {KEPT}, found {starts!r}")
+    given = _sampling(samples, antialias)
     step = progress or (lambda done: None)
-
-    courses = []
-    for direction, stops in _first_looks(shrunk(target, coarse(target.shape[1::-1], SMALL)), scene, exposure, starts):
-        courses.append(Descent(target, scene, exposure, antialias, direction, stops))
-        courses[-1].by_adam(ADAM_STEPS, step)
-    courses.sort(key=lambda course: course.losses[-1])
-    best = courses[0]
-    best.by_gauss_newton(LAST_STEPS // 2, step)
-    sampling = best.sampling()
-    best.by_gauss_newton(LAST_STEPS // 2, step, sampling)
-    best.by_looking_around(LOOKS_AROUND, sampling)
-    azimuth, elevation = map(float, sun_angles(best.direction))
-    return SunFit(
-        direction=best.direction,
-        azimuth=azimuth,
-        elevation=elevation,
-        exposure=float(best.stops),
-        residual=math.sqrt(best.losses[-1]),
-        uncertainty=best.uncertainty,
-        history=tuple(course.told() for course in courses),
-    )
+    end = explained(target, exposure, starts, given or target.made, given is not None, step)
+    fit = _told(end)
+    if not end.mismatch.fits:
+        raise _does_not_fit(end, fit, target, exposure, step)
+    _check_determined(end, fit)
+    return fit
 
 
 def steps_of(starts: int) -> int:
-    """How many steps `fit_sun` takes."""
-    return starts * ADAM_STEPS + LAST_STEPS
+    """Return about how many steps `fit_sun` takes."""
+    return 20 * starts
 
 
 def fitted_scene(scene: Scene, fit: SunFit) -> Scene:
-    """The scene with the sun, and the exposure, that was found."""
+    """Return the scene with the sun, and the exposure, that was found."""
     return moved(scene, fit.direction, fit.exposure)
 
 
-def _checked(image: Any) -> np.ndarray:
-    if isinstance(image, str | Path):
-        image = read_image(image)
-    image = np.asarray(image)
-    if image.dtype == np.uint8:
-        image = image / 255
-    if image.ndim != 3 or image.shape[2] not in (3, 4) or min(image.shape[:2]) < 16:
-        raise InputError(f"image: must be an array (height, width, 3), 16 x 16 at least, found shape {image.shape}")
-    image = np.asarray(image[..., :3], np.float32)
-    if not np.isfinite(image).all():
-        raise InputError("image: has values that are no numbers")
-    return image
+def _sampling(samples: int | None, antialias: str | None) -> int | str | None:
+    """How pixels were made, as it is given; ``None`` where it is not."""
+    if antialias not in (None, "none", EDGES):
+        raise InputError(f"antialias: unknown {antialias!r}; there is: none, {EDGES}")
+    if samples is not None and not (isinstance(samples, int) and 1 <= samples <= MOST_SAMPLES):
+        raise InputError(f"samples: must be a whole number from 1 to {MOST_SAMPLES}, found {samples!r}")
+    if antialias == EDGES:
+        return EDGES
+    return 1 if samples is None and antialias == "none" else samples
 
 
-def _first_looks(small: np.ndarray, scene: Scene, exposure: bool, starts: int) -> list[tuple[np.ndarray, float]]:
-    """The best directions, and exposures, of those that are looked at: evenly spread over the upper hemisphere."""
-    size = small.shape[1], small.shape[0]
-    known = scene.sun.direction, float(scene.film.exposure)
-    films = {stops: film_of(moved(scene, known[0], stops)) for stops in (EXPOSURES if exposure else known[1:])}
-    found = []
-    for k in range(LOOKED_AT):
-        height = (k + 0.5) / LOOKED_AT
-        direction = sun_direction(k * 180 * (3 - math.sqrt(5)), math.degrees(math.asin(height)))
-        linear = np.asarray(render(moved(scene, direction, known[1]), size, output="linear"), np.float64)
-        for stops, film in films.items():
-            found.append((float(np.mean((developed(linear, *film) - small) ** 2)), direction, stops))
-    found.sort(key=lambda entry: entry[0])
-    if len({loss for loss, _, _ in found}) <= len(films):
-        raise InputError("scene: nothing that is seen of it depends on the sun")
-    chosen: list[tuple[np.ndarray, float]] = []
-    for _, direction, stops in found:
-        if all(direction @ other < math.cos(math.radians(APART)) for other, _ in chosen):
-            chosen.append((direction, stops))
-        if len(chosen) == starts:
-            break
-    return chosen
+def _told(end: End) -> SunFit:
+    suns, stops = end.chart.suns(end.posterior.changes)
+    weights = end.posterior.weights
+    mean = weights @ suns
+    mean /= np.linalg.norm(mean)
+    away = degrees_between(suns, mean)
+    azimuth, elevation = map(float, sun_angles(mean))
+    return SunFit(
+        direction=mean,
+        azimuth=azimuth,
+        elevation=elevation,
+        exposure=float(weights @ stops),
+        within_68=quantile(away, weights, 0.68),
+        within_95=quantile(away, weights, 0.95),
+        uncertainty=math.degrees(math.sqrt(np.linalg.eigvalsh(end.posterior.stage().covariance[:2, :2])[-1])),
+        residual=end.residual,
+        noise=end.noise.sigma,
+        sampling=end.sampling,
+        history=end.courses,
+    )
+
+
+def _check_determined(end: End, fit: SunFit) -> None:
+    apart = 2 * fit.within_95 if fit.within_95 > WIDEST else 0.0
+    apart = max([apart, *(float(degrees_between(other, fit.direction)) for other in end.others)])
+    if apart > 0:
+        raise NotDetermined(
+            f"the picture does not determine the sun: suns {min(apart, 180):.0f} degrees apart explain it equally well"
+        )
+
+
+def _does_not_fit(end: End, fit: SunFit, target: Target, exposure: bool, step: Callable[[int], Any]) -> DoesNotFit:
+    """The error for a picture that is not explained, with what would explain it."""
+    told = f"the scene does not explain the picture: {end.mismatch}"
+    if end.mismatch.smooth:
+        hint = "; only edges are off: has it other --samples, or is it blurred or compressed?"
+        return DoesNotFit(told + hint, (), fit)
+    transfer = "srgb" if target.scene.film.transfer != "srgb" else "gamma2.2"
+    other = replace(target, scene=replace(target.scene, film=replace(target.scene.film, transfer=transfer)))
+    by_transfer = f"--set film.transfer={transfer}"
+    trials = [((by_transfer,), other, exposure)]
+    if not exposure:
+        trials = [(("--exposure",), target, True), *trials, (("--exposure", by_transfer), other, True)]
+    for flags, changed, free in trials:
+        if explained(changed, free, 1, end.sampling, True, step).mismatch.smooth:
+            return DoesNotFit(f"{told}; with {' '.join(flags)} it does", flags, fit)
+    return DoesNotFit(f"{told}; is it another scene, another camera, cropped, blurred or compressed?", (), fit)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from raytrace.inverse.programs import kept
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 from raytrace.uniforms import program_of
@@ -29,30 +30,10 @@ def sun_slopes(
     serves all scenes of as many spheres and planes; it is kept in the user's cache folder, as it takes long to compile.
     """
     given = scene, np.asarray(axes, np.float64)
-    picture, slopes = _program(size, antialias, *given)(*given)
+    choices = program_of(scene, "robust", antialias=antialias)
+    program = kept(f"slopes {size}", choices, _jitted(size, antialias), given)
+    picture, slopes = program(*given)
     return np.asarray(picture, np.float64), np.asarray(slopes, np.float64)
-
-
-_programs: dict[str, Any] = {}
-
-
-def _program(size: tuple[int, int], antialias: str, scene: Scene, axes: Any) -> Any:
-    import jax
-
-    from raytrace.backends.jax.devices import ask_for_all_cores, one_device
-    from raytrace.backends.jax.stored import choices_as_text, stored
-
-    ask_for_all_cores()
-    program = _jitted(size, antialias)
-    choices = choices_as_text(program_of(scene, "robust", antialias=antialias))
-    if choices is None:
-        return program
-    shapes = [(np.shape(leaf), str(np.asarray(leaf).dtype)) for leaf in jax.tree.leaves(scene)]
-    name = repr((choices, jax.tree.structure(scene), shapes, size, jax.config.jax_enable_x64))
-    if name not in _programs:
-        devices = list(one_device().devices.flat)
-        _programs[name] = stored(name, devices, lambda: program.lower(scene, axes).compile())
-    return _programs[name]
 
 
 @lru_cache
