@@ -45,7 +45,7 @@ def test_it_is_nearer_to_the_supersampled_image(name):
 @pytest.mark.parametrize("name", some(["spheres", "checkerboard"], "spheres"))
 def test_more_samples_come_nearer(name):
     scene = raytrace.load_scene(name)
-    reference = raytrace.render(scene, (32, 18), samples=16, **EXACT)
+    reference = raytrace.render(scene, (32, 18), samples=12, **EXACT)
     one, two = (rms(raytrace.render(scene, (32, 18), antialias="edges", samples=n, **EXACT), reference) for n in (1, 2))
     assert two < 0.7 * one
 
