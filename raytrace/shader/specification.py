@@ -3,7 +3,7 @@
 __all__ = ["SPECIFICATION", "VERSIONS"]
 
 #: What each version of the specification changed. The specification says which number each pixel of a scene is in real
-#: arithmetic (README, 'What is computed'); a better approximation of the same number is no new version.
+#: arithmetic (notebooks/specification.md); a better approximation of the same number is no new version.
 VERSIONS = {
     1: "the assignment, with the choices that it leaves to the reader",
     2: "components that a white point makes negative become 0 before the tone mapper",
