@@ -88,7 +88,7 @@ def explained(
     guesses = search(fitting.relit(1, SEARCHED), EXPOSURES if exposure else (float(target.scene.film.exposure),))
     first = made or SAMPLINGS[0]
     found: list[End] = []
-    for sampling in (first,) if only else (first, *(other for other in SAMPLINGS if other != first)):
+    for sampling in (first,) if only else dict.fromkeys((first, *SAMPLINGS)):
         # Another sampling of the right picture has the same best guess.
         found.append(fitting.followed(sampling, guesses[: starts if sampling == first else 1]))
         if found[-1].mismatch.fits:

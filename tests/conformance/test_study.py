@@ -91,3 +91,20 @@ def test_an_engine_that_errs_is_named(monkeypatch, capsys):
 def test_an_unknown_engine_is_told():
     with pytest.raises(InputError, match="--engine: unknown 'opengles'; did you mean 'opengl'"):
         conformance(engine=["opengles"])
+
+
+def test_an_engine_that_has_drawn_is_not_missing(monkeypatch):
+    """What it refuses later is a fault, not a lack of it."""
+    module = importlib.import_module("raytrace.conformance.study")
+    drawn = []
+
+    def refuses_the_second(scene, *args, **options):
+        drawn.append(scene)
+        if len(drawn) > len(module.KINDS):
+            raise InputError("no such scene")
+        return render(scene, *args, **options)
+
+    render = module.render
+    monkeypatch.setattr(module, "render", refuses_the_second)
+    with pytest.raises(InputError, match="no such scene"):
+        study(2, 1, engines=("numpy",))

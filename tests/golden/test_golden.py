@@ -19,6 +19,7 @@ from raytrace.shader.specification import SPECIFICATION
 from raytrace.testing import goldens
 from tests.engines import need
 from tests.processes import COMMAND, command, started
+from tests.scenes import some
 
 pytestmark = pytest.mark.unchecked
 
@@ -145,10 +146,11 @@ def results(source, folder="G", **bounds):
     return {result.name: result for result in golden_folder(folder).check(source, bounds)}
 
 
-def test_other_arithmetics_pass(engine):
-    made("G", ("checkerboard", "skybox"))
+@pytest.mark.parametrize("names", some([["checkerboard", "skybox"], ["spheres"]], ["checkerboard", "skybox"]), ids=str)
+def test_other_arithmetics_pass(engine, names):
+    made("G", names)
     for source in (backend_source(engine), backend_source("jax"), backend_source("numpy", dtype="float64")):
-        assert [result.failed for result in results(source).values()] == [()] * 2
+        assert [result.failed for result in results(source).values()] == [()] * len(names)
 
 
 def test_images_of_another_renderer_pass_in_any_format():
