@@ -1,7 +1,8 @@
-"""Settings of the whole suite. Annotations of the package are checked at run time: see pyproject.toml.
+"""Settings of the whole suite.
 
 By default one example of each kind is run. `--full` runs all of them: every built-in scene, every choice, full-size
-images, many random examples.
+images, many random examples. It also checks the package's annotations at run time, as `test_annotations.py` does for a
+few calls by default: checks take longer than what they check.
 """
 
 import gc
@@ -13,9 +14,7 @@ import jaxtyping
 import pytest
 from hypothesis import HealthCheck, settings
 
-from raytrace.backends.gpu.drawing import Unavailable
-from raytrace.backends.gpu.webgl import chromium
-from tests.engines import need, skip_unless_required
+# The package is imported where it is used: by then its annotations are checked, or not.
 
 for profile, examples in (("default", 30), ("full", 100)):
     settings.register_profile(
@@ -55,6 +54,8 @@ def pytest_configure(config):
         config.option.dist, config.option.loadscopereorder = "loadfile", False
     # Before the tests are imported, which ask for it.
     settings.load_profile("full" if config.option.full else "default")
+    if config.option.full:
+        jaxtyping.install_import_hook("raytrace", "beartype.beartype")
 
 
 def pytest_collection_modifyitems(config, items):
@@ -105,9 +106,9 @@ def in_empty_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(autouse=True, scope="module")
 def not_too_many_programs():
-    """JAX keeps every program, each with hundreds of memory mappings, of which Linux lets a process have 65530."""
+    """JAX keeps what tests compile, each with hundreds of memory mappings, of which Linux lets a process have 65530."""
     yield
     maps = Path("/proc/self/maps")
     if "jax" in sys.modules and maps.exists() and maps.read_text().count("\n") > 30_000:
@@ -117,7 +118,7 @@ def not_too_many_programs():
 
 @pytest.fixture(autouse=True)
 def types_are_checked(request):
-    """But for the full set and tests that are marked so: checks take several times as long as what they check."""
+    """But in the tests that `--full` adds and in those that are marked so: they take too long with checks."""
     unchecked = any(map(request.node.get_closest_marker, ("full", "unchecked")))
     jaxtyping.config.update("jaxtyping_disable", unchecked)
     yield
@@ -127,6 +128,8 @@ def types_are_checked(request):
 @pytest.fixture(params=["opengl", "webgl"])
 def engine(request):
     """The name of a graphics engine. Where it is missing the test is skipped, unless all are required."""
+    from tests.engines import need
+
     need(request.param)
     return request.param
 
@@ -134,6 +137,10 @@ def engine(request):
 @pytest.fixture(scope="session")
 def browser():
     """Chromium. Where it is missing the test is skipped, unless all are required."""
+    from raytrace.backends.gpu.drawing import Unavailable
+    from raytrace.backends.gpu.webgl import chromium
+    from tests.engines import skip_unless_required
+
     try:
         try:
             from playwright.sync_api import sync_playwright

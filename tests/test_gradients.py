@@ -43,8 +43,9 @@ def gradient_of_any(scene):
     return jax.grad(brightness, has_aux=True)(scene)
 
 
+@pytest.mark.full
 @SEVERAL_SCENES
-def test_every_derivative_is_finite(name):
+def test_every_derivative_of_the_built_in_scenes_is_finite(name):
     assert_finite(gradient_of_any(raytrace.load_scene(name)))
 
 
@@ -71,13 +72,11 @@ def test_every_derivative_of_any_scene_is_finite(scene):
     assert_finite(gradient_of_any(scene))
 
 
-@pytest.mark.parametrize("size", [1e-12, 1e-6, 1e6, 1e11])
-def test_derivatives_are_finite_at_the_limits_of_size(size):
-    """The last figure's world, so small and so large that validation just admits it, in float32."""
+def scaled(size):
+    """The last figure's world, of another size and with a plane more: its program is that of `worlds`."""
     scene = raytrace.load_scene("checkerboard")
     spheres_, plane, camera = scene.spheres, scene.planes[0], scene.camera
-    scaled = raytrace.Scene(
-        # Three of them, so that the program is that of `worlds`.
+    return raytrace.Scene(
         spheres=raytrace.Spheres(spheres_.center[:3] * size, spheres_.radius[:3] * 5 * size, spheres_.color[:3]),
         planes=(
             raytrace.Plane(plane.point * size, plane.normal, raytrace.Checkerboard(2 * size)),
@@ -87,8 +86,14 @@ def test_derivatives_are_finite_at_the_limits_of_size(size):
             camera.position * size, camera.position * size - [0, 0, 2 * size], near=size, far=2 * size
         ),
     )
-    check_scene(scaled)
-    assert_finite(gradient_of_any(scaled))
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1e6, 1e11])
+def test_derivatives_are_finite_at_the_limits_of_size(size):
+    """So small and so large that validation just admits it, in float32."""
+    scene = scaled(size)
+    check_scene(scene)
+    assert_finite(gradient_of_any(scene))
 
 
 WHITE = [("aces", "gamma2.2"), ("reinhard", "srgb"), ("hable", "none"), ("none", "gamma2.2")]
@@ -133,8 +138,7 @@ def test_black_and_nearly_black_have_a_finite_derivative(tone_mapper, transfer):
 
 def test_a_black_image_has_finite_derivatives():
     black = raytrace.Sky(low=[0, 0, 0], high=[0, 0, 0], void=[0, 0, 0])
-    scene = replace(raytrace.load_scene("checkerboard"), sky=black, sun=raytrace.Sun(color=[0, 0, 0]))
-    assert_finite(gradient_of_any(scene))
+    assert_finite(gradient_of_any(replace(scaled(1.0), sky=black, sun=raytrace.Sun(color=[0, 0, 0]))))
 
 
 def lit_ball(x):
@@ -187,12 +191,14 @@ def test_loops_that_stay_loops_have_the_same_derivatives(lighting):
     if lighting == "on":
         scene = replace(scene, planes=())
 
-    def brightness(scene, engine):
-        uniforms, program = uniforms_of(scene, SIZE[0] / SIZE[1]), program_of(scene, "robust")
+    program = program_of(scene, "robust")
+
+    def brightness(uniforms, engine):
         job = Job(program, Frame(*SIZE), ("display",), "float32", engine=engine)
         return Renderer(uniforms, job).draw(0, SIZE[1])["display"].mean()
 
-    written_out, looped = (jax.grad(brightness)(scene, Staged(few=few)) for few in (16, 2))
+    uniforms = jax.tree.map(jnp.float32, uniforms_of(scene, SIZE[0] / SIZE[1]))
+    written_out, looped = (jax.grad(brightness)(uniforms, Staged(few=few)) for few in (16, 2))
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-3, atol=1e-6), written_out, looped)
 
 
@@ -214,6 +220,7 @@ def test_gradients_pass_the_rounding_to_float32():
     assert not np.array_equal(rounded, exact)
 
 
-def test_samples_are_differentiable():
-    scene = raytrace.load_scene("sphere")
+@pytest.mark.parametrize("name", some(["skybox", "sphere"], "skybox"))
+def test_samples_are_differentiable(name):
+    scene = raytrace.load_scene(name)
     assert_finite(jax.jit(jax.grad(lambda scene: raytrace.render(scene, SIZE, samples=2).sum()))(scene))

@@ -43,7 +43,6 @@ LAYERS = [
 
 #: Imports from a higher layer, or from another package of the same one.
 UPWARD = {
-    ("raytrace.backends.jax.stored", "raytrace"),
     ("raytrace.exact.image", "raytrace.scene"),
     ("raytrace.exact.image", "raytrace.uniforms"),
     ("raytrace.scene.data", "raytrace.notebook"),
@@ -53,7 +52,6 @@ UPWARD = {
 
 #: The imports that close today's circles: without them there is none.
 CLOSING = {
-    ("raytrace.backends.jax.stored", "raytrace"),
     ("raytrace.scene.data", "raytrace.notebook"),
     ("raytrace.scene.data", "raytrace.rendering"),
 }

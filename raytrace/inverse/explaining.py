@@ -67,11 +67,11 @@ class End:
 
 
 class _Way(NamedTuple):
-    """Where a guess leads to: the stage from which to sample, and the likeliest sun."""
+    """Where a guess leads to: the stage from which to sample, and the suns that were drawn last."""
 
     chart: Chart
     stage: Stage
-    best: np.ndarray
+    drawn: Posterior
     noise: Noise
     course: list[tuple[float, np.ndarray]]
 
@@ -117,10 +117,10 @@ class _Fitting:
             scale = max(1.0, ways[0].noise.sigma / NOISY) ** 2 if ways else 1.0
             if guess.log < guesses[0].log - FOLLOWED * scale:
                 break
-            if all(degrees_between(guess.direction, way.chart.sun(way.best)[0]) > ONE for way in ways):
+            if all(degrees_between(guess.direction, way.chart.sun(way.drawn.best)[0]) > ONE for way in ways):
                 ways.append(self.followed_one(guess, relit))
         noise = min((way.noise for way in ways), key=lambda noise: noise.sigma)
-        suns = [way.chart.sun(way.best) for way in ways]
+        suns = [way.chart.sun(way.drawn.best) for way in ways]
         logs = [float(relit.log_likelihoods(sun[None], np.array([stops]), noise)[0]) for sun, stops in suns]
         first = int(np.argmax(logs))
         others = tuple(
@@ -152,18 +152,24 @@ class _Fitting:
             self.step(1)
             return noise_of(target, values, self.target.half)
 
-        stage, best, noise = approach(
+        stage, drawn, noise = approach(
             lambda changes, noise: relit.log_likelihoods(*chart.suns(changes), noise), noise_at, start, self.random
         )
-        return _Way(chart, stage, best, noise, course)
+        return _Way(chart, stage, drawn, noise, course)
 
     def sampled(self, way: _Way, relit: Relit, courses: tuple, others: tuple) -> End:
         """Return the explanation by a picture of samples, whose probability is known exactly."""
-        posterior = sampled(
-            lambda changes: relit.log_likelihoods(*way.chart.suns(changes), way.noise), way.stage, self.random
+
+        def end(posterior: Posterior) -> End:
+            values = relit.values(*way.chart.sun(posterior.best))
+            return self.end(way.chart, posterior, way.noise, relit, values, relit.samples, courses, others)
+
+        rough = end(way.drawn)
+        if rough.mismatch.hopeless:
+            return rough
+        return end(
+            sampled(lambda changes: relit.log_likelihoods(*way.chart.suns(changes), way.noise), way.stage, self.random)
         )
-        values = relit.values(*way.chart.sun(posterior.best))
-        return self.end(way.chart, posterior, way.noise, relit, values, relit.samples, courses, others)
 
     def descended(self, way: _Way, courses: tuple, others: tuple) -> End:
         """Return the explanation by a picture of means, which is linear in the sun around the least squares."""
@@ -172,23 +178,23 @@ class _Fitting:
         half = self.target.half if size == self.size else 0.0
         blocks = Blocks.of(size, size[0] * size[1])
 
-        def drawn(direction: np.ndarray, stops: float, axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        def draw(direction: np.ndarray, stops: float, axes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             values, slopes = sun_slopes(moved(self.target.scene, direction, stops), size, axes, "edges")
             return blocks.values(values), np.stack([blocks.values(slope) for slope in slopes])
 
-        start = way.chart.sun(way.best)
-        linear = descended(drawn, blocks.values(target), half, blocks, start, self.exposure, self.step)
+        start = way.chart.sun(way.drawn.best)
+        linear = descended(draw, blocks.values(target), half, blocks, start, self.exposure, self.step)
         for _ in range(ROUNDS):
-            stage, best, _ = approach(
+            stage, drawn, _ = approach(
                 lambda changes, noise, linear=linear: linear.log_likelihoods(changes),
                 lambda change, linear=linear: linear.noise,
                 linear.around(),
                 self.random,
             )
-            linear = linear.moved(drawn, best)
-            if np.abs(best).max() < NEAR:
+            linear = linear.moved(draw, drawn.best)
+            if np.abs(drawn.best).max() < NEAR:
                 break
-        posterior = sampled(linear.log_likelihoods, stage._replace(mean=stage.mean - best), self.random)
+        posterior = sampled(linear.log_likelihoods, stage._replace(mean=stage.mean - drawn.best), self.random)
         posterior = widened(posterior, linear.clustered())
         courses = (courses[0] + linear.course, *courses[1:])
         return self.end(linear.chart, posterior, linear.noise, linear, linear.values, EDGES, courses, others)

@@ -84,6 +84,11 @@ class Mismatch:
         """Whether the model explains the picture."""
         return self.smooth and self.far <= FAR_SHARE
 
+    @property
+    def hopeless(self) -> bool:
+        """Whether no sun close by explains the picture either: such suns differ in some pixels at edges of shadows."""
+        return not self.smooth or self.far > 3 * FAR_SHARE
+
     def __str__(self) -> str:
         if self.explained < EXPLAINED:
             return f"it explains {max(0.0, 100 * self.explained):.0f} % of the picture's variance"

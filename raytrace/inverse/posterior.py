@@ -92,8 +92,8 @@ def approach(
     noise_at: Callable[[np.ndarray], Noise],
     start: Stage,
     random: np.random.Generator,
-) -> tuple[Stage, np.ndarray, Noise]:
-    """Go from a guess towards the likely suns; return where they are, the likeliest change, and the noise there.
+) -> tuple[Stage, Posterior, Noise]:
+    """Go from a guess towards the likely suns; return where they are, the suns drawn last, and the noise there.
 
     The likelihood is tempered: its power is so small that a share of the drawn suns counts, and grows to 1. The noise
     is what is left over at the likeliest sun of a stage.
@@ -108,14 +108,15 @@ def approach(
         # A tempered likelihood is flat far away, so that there the draws' own density stands for a prior.
         weights = _normalized(power * logs - (density if power == 1 else 0))
         best = changes[np.argmax(logs)]
-        before, stage = stage, _widened(Posterior(changes, weights, best).stage(), 1.5)
+        found = Posterior(changes, weights, best)
+        before, stage = stage, _widened(found.stage(), 1.5)
         known, noise = noise, noise_at(best)
         shrunk = np.linalg.slogdet(before.covariance)[1] - np.linalg.slogdet(stage.covariance)[1]
         if power == 1 and abs(shrunk) < 1 and abs(math.log(noise.sigma / known.sigma)) < 0.05:
             break
         if np.sqrt(np.diag(stage.covariance)[:2].max()) > WIDEST:
             break
-    return stage, best, noise
+    return stage, found, noise
 
 
 def sampled(log_likelihood: LogLikelihood, start: Stage, random: np.random.Generator) -> Posterior:

@@ -1,6 +1,7 @@
 """Programs of JAX that are kept in the user's cache folder, as they take longer to compile than to run."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,8 @@ from raytrace.shader.uniforms import Program
 
 __all__ = ["kept"]
 
-_programs: dict[str, Any] = {}
+#: The most programs that are held.
+MOST = 32
 
 
 def kept(name: str, program: Program, jitted: Callable, given: tuple) -> Callable:
@@ -19,17 +21,25 @@ def kept(name: str, program: Program, jitted: Callable, given: tuple) -> Callabl
     """
     import jax
 
-    from raytrace.backends.jax.devices import ask_for_all_cores, one_device
-    from raytrace.backends.jax.stored import choices_as_text, stored
+    from raytrace.backends.jax.devices import ask_for_all_cores
+    from raytrace.backends.jax.stored import choices_as_text
 
     ask_for_all_cores()
     choices = choices_as_text(program)
     if choices is None:
         return jitted
     leaves, tree = jax.tree.flatten(given)
-    shapes = [(np.shape(leaf), str(getattr(leaf, "dtype", np.float64))) for leaf in leaves]
-    key = repr((name, choices, tree, shapes, jax.config.jax_enable_x64))
-    if key not in _programs:
-        devices = list(one_device().devices.flat)
-        _programs[key] = stored(key, devices, lambda: jitted.lower(*given).compile())
-    return _programs[key]
+    shapes = tuple((np.shape(leaf), np.dtype(getattr(leaf, "dtype", np.float64))) for leaf in leaves)
+    return _compiled(name, choices, jitted, tree, shapes, bool(jax.config.jax_enable_x64))
+
+
+@lru_cache(maxsize=MOST)
+def _compiled(name: str, choices: str, jitted: Callable, tree: Any, shapes: tuple, x64: bool) -> Callable:
+    import jax
+
+    from raytrace.backends.jax.devices import one_device
+    from raytrace.backends.jax.stored import stored
+
+    given = tree.unflatten([jax.ShapeDtypeStruct(*shape) for shape in shapes])
+    key = repr((name, choices, tree, shapes, x64))
+    return stored(key, list(one_device().devices.flat), lambda: jitted.lower(*given).compile())

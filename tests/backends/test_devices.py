@@ -39,9 +39,9 @@ def test_eight_devices(tmp_path, scene):
 def test_every_core_has_a_device_unless_jax_has_begun(tmp_path):
     from raytrace.cores import cores
 
-    drawn(tmp_path, "sphere", cores())
+    drawn(tmp_path, "skybox", cores())
     begun = RENDER.replace("image =", "jax.devices(); image =")
-    subprocess.run([sys.executable, "-c", begun, "sphere", str(tmp_path / "a.npy"), "1"], check=True)
+    subprocess.run([sys.executable, "-c", begun, "skybox", str(tmp_path / "a.npy"), "1"], check=True)
 
 
 @pytest.mark.full
@@ -70,9 +70,9 @@ def free_port():
 
 def test_two_processes_render_one_image(tmp_path):
     alone, together = tmp_path / "alone.exr", tmp_path / "together.exr"
-    command("render", "sphere", "--size", SIZE, "-o", alone)
+    command("render", "skybox", "--size", SIZE, "-o", alone)
     joined = ["--coordinator", f"127.0.0.1:{free_port()}", "--hosts", "2"]
-    args = [*COMMAND, "render", "sphere", "--size", SIZE, "-o", str(together), *joined, "--process-id"]
+    args = [*COMMAND, "render", "skybox", "--size", SIZE, "-o", str(together), *joined, "--process-id"]
     with ExitStack() as stack:
         processes = [stack.enter_context(started([*args, str(i)], stdout=subprocess.PIPE, text=True)) for i in range(2)]
         told = [process.communicate(timeout=240)[0] for process in processes]
@@ -175,7 +175,7 @@ def test_what_is_made_of_traced_images_does_not_wait_for_ever():
         "jax.config.update('jax_num_cpu_devices', 2)\n"
         "import jax.numpy as jnp, numpy as np, raytrace\n"
         "from dataclasses import replace\n"
-        "scene = raytrace.load_scene('checkerboard')\n"
+        "scene = raytrace.load_scene('lit-sphere')\n"
         "def loss(azimuth):\n"
         "    sun = replace(scene.sun, direction=raytrace.sun_direction(azimuth, 36.9))\n"
         "    return jnp.mean(raytrace.render(replace(scene, sun=sun), (192, 108)) ** 2)\n"

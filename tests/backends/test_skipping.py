@@ -165,11 +165,13 @@ def test_spheres_that_touch_a_ray(column, row, distance, radius, data, intersect
 @pytest.mark.parametrize("n", some([3, 6, 300], 3))
 def test_gradients(n):
     scene = replace(raytrace.load_scene("checkerboard"), spheres=many(n))
+    job = Job(program_of(scene, "robust"), Frame(48, 27), ("display",), "float32")
 
-    def brightness(scene, skip):
-        return raytrace.render(scene, (48, 27), skip=skip).mean()
+    def brightness(uniforms, skip):
+        return Renderer(uniforms, replace(job, skip=skip)).draw(0, 27)["display"].mean()
 
-    with_and_without = [jax.grad(brightness)(scene, skip) for skip in (True, False)]
+    uniforms = jax.tree.map(jnp.float32, uniforms_of(scene, 48 / 27))
+    with_and_without = [jax.grad(brightness)(uniforms, skip) for skip in (True, False)]
     jax.tree.map(np.testing.assert_array_equal, *with_and_without)
 
 

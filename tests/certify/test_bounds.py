@@ -17,7 +17,7 @@ SMALL = (48, 27)
 GOLDEN = (480, 270)
 A_FEW = ("shadows", "inside-a-sphere", "orthographic", "overlapping-spheres", "sun-in-the-picture")
 ALL = pytest.mark.parametrize("name", list(scenes()))
-MOSTLY_FULL = pytest.mark.parametrize("name", some(scenes(), "checkerboard"))
+SIZES = {name: SMALL if name == "two-hundred-spheres" else GOLDEN for name in scenes()}
 
 
 @ALL
@@ -55,9 +55,10 @@ def test_the_exact_image_is_within(name):
             assert (exact <= Exact.of(high)).value.all()
 
 
-@MOSTLY_FULL
-def test_every_engine_is_within(name):
-    size = SMALL if name == "two-hundred-spheres" else GOLDEN
+@pytest.mark.parametrize(
+    ("name", "size"), some([("checkerboard", SIZE), *SIZES.items()], ("checkerboard", SIZE)), ids=str
+)
+def test_every_engine_is_within(name, size):
     certificate = certify(name, size, precision="glsl-highp")
     for backend, dtype in (
         ("numpy", "float32"),

@@ -1,6 +1,5 @@
 """A scene, compiled by JAX, and rendered."""
 
-import itertools
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
@@ -31,25 +30,32 @@ __all__ = ["Renderer"]
 #: that a kernel which is shared among threads only waits for them.
 OPTIONS = {"xla_cpu_prefer_vector_width": 512, "xla_cpu_multi_thread_eigen": False}
 
-# Within somebody's trace there are no options: those are for the program that JAX compiles in the end.
-_drawn = jax.jit(draw, static_argnums=(0, 1, 2, 3))
-
-
-@partial(jax.jit, static_argnums=(0, 1, 2, 3), compiler_options=OPTIONS)
-def _drawn_packed(
-    job: Job, rows: int, devices: Mesh, layout: Layout, numbers: jax.Array, culled: Any, mode: Any, first: Any
-) -> dict[str, jax.Array]:
-    return draw(job, rows, devices, False, layout.unpack(numbers), culled, mode, first)
-
-
-@partial(jax.jit, static_argnums=(0, 1), compiler_options=OPTIONS)
-def _culled(job: Job, layout: Layout, numbers: jax.Array) -> Culling:
-    return culling(layout.unpack(numbers), job.program)
-
-
-#: So many programs are held. One takes some 600 of the 65530 memory mappings that Linux lets a process have.
+#: The most programs of a kind that are held. One takes some 600 of the 65530 memory mappings that Linux lets a process
+#: have. JAX's own caches hold a program for as long as the function lives that it was made of, so each is made of a
+#: function of its own, and goes with it.
 MOST = 32
-_made = itertools.count(1)
+
+
+@lru_cache(maxsize=MOST)
+def _traced(job: Job, rows: int, devices: Mesh) -> Callable:
+    """The function that draws traced uniforms; without options, which are those of the program that it is part of."""
+
+    @jax.jit
+    def drawn(uniforms: Uniforms, mode: Any, first: Any) -> dict[str, jax.Array]:
+        return draw(job, rows, devices, True, uniforms, None, mode, first)
+
+    return drawn
+
+
+@lru_cache(maxsize=MOST)
+def _culled(job: Job, layout: Layout) -> Callable:
+    """The function that prepares many spheres, from all numbers."""
+
+    @partial(jax.jit, compiler_options=OPTIONS)
+    def culled(numbers: jax.Array) -> Culling:
+        return culling(layout.unpack(numbers), job.program)
+
+    return culled
 
 
 @lru_cache(maxsize=MOST)
@@ -66,10 +72,11 @@ def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -
     numbers = given((layout.size,), job.dtype)
     scalars = given((), np.int32), given((), np.int32)
 
+    def drawn(numbers: jax.Array, culled: Any, mode: Any, first: Any) -> dict[str, jax.Array]:
+        return draw(job, rows, devices, False, layout.unpack(numbers), culled, mode, first)
+
     def compiled() -> Any:
-        if next(_made) % MOST == 0:
-            jax.clear_caches()  # which hold those programs, too, that are no longer held here
-        return _drawn_packed.lower(job, rows, devices, layout, numbers, culled, *scalars).compile()
+        return jax.jit(drawn, compiler_options=OPTIONS).lower(numbers, culled, *scalars).compile()
 
     return stored(_name(job, rows, devices, layout, culled), list(devices.devices.flat), compiled)
 
@@ -147,12 +154,12 @@ class Renderer:
     def draw(self, first: int, count: int) -> dict[str, Any]:
         first, mode = np.int32(first), np.int32(self.mode)
         with self._outside():
-            if self.traced and self.job.program.antialias == "edges":
-                # Every edge's text is there several times over, which reverse mode takes minutes to compile.
-                drawn = partial(_drawn, self.job, count, self.devices, True)
-                return by_forward_mode(lambda uniforms: drawn(uniforms, None, mode, first), self.uniforms)
             if self.traced:
-                return _drawn(self.job, count, self.devices, True, self.uniforms, None, mode, first)
+                drawn = _traced(self.job, count, self.devices)
+                if self.job.program.antialias == "edges":
+                    # Every edge's text is there several times over, which reverse mode takes minutes to compile.
+                    return by_forward_mode(lambda uniforms: drawn(uniforms, mode, first), self.uniforms)
+                return drawn(self.uniforms, mode, first)
             numbers, culled = prepared = self._prepared()
             mode, first = jax.device_put((mode, first), self._everywhere())
             images = self._program(count, prepared)(numbers, culled, mode, first)
@@ -218,7 +225,7 @@ def _kept(job: Job, layout: Layout, numbers: np.ndarray, many: bool, everywhere:
     on_devices = jax.device_put(numbers, everywhere)
     culled = None
     if many:
-        culled = _culled(job, layout, numbers)
+        culled = _culled(job, layout)(numbers)
         if jax.process_count() > 1:
             culled = jax.tree.map(np.asarray, culled)
         culled = jax.device_put(culled, everywhere)

@@ -21,15 +21,14 @@ import jax
 import jaxlib
 from jax.experimental import serialize_executable
 
-import raytrace
 from raytrace.errors import InputError
 from raytrace.files import whole_file
 from raytrace.shader.uniforms import Program
 
 __all__ = ["choices_as_text", "stored"]
 
-#: The most programs that are kept; those that were not used for longest go first.
-MOST = 64
+#: The most bytes of programs that are kept; those that were not used for longest go first. One takes 1 to 20 MB.
+MOST = 1 << 29
 
 
 def folder() -> Path | None:
@@ -78,16 +77,20 @@ def choices_as_text(program: Program) -> str | None:
 
 
 def _prune(place: Path) -> None:
-    programs = sorted(place.glob("*.program"), key=lambda path: path.stat().st_mtime)
-    for path in programs[: max(0, len(programs) - MOST)]:
-        path.unlink()
+    programs = [(path.stat(), path) for path in place.glob("*.program")]
+    kept = 0
+    for about, path in sorted(programs, key=lambda program: program[0].st_mtime, reverse=True):
+        kept += about.st_size
+        if kept > MOST:
+            path.unlink()
 
 
 @cache
 def _here() -> str:
     """This processor, these versions, this package's text."""
     text = hashlib.sha256()
-    for path in sorted(Path(raytrace.__file__).parent.rglob("*.py")):
+    package = Path(__file__).parents[2]
+    for path in sorted(package.rglob("*.py")):
         text.update(path.read_bytes())
     flags = os.environ.get("XLA_FLAGS", "")
     return "\n".join(
