@@ -30,8 +30,8 @@ CHOICES = ({"samples": 2}, {"antialias": "edges"}, {"shadow_start": "surface"}, 
 BAD_INPUT = {
     "tests.test_cli": (),
     "tests.golden.test_golden": (),
-    "tests.compare.test_command": ("compare",),
-    "tests.certify.test_verify": (),
+    "tests.comparison.test_command": ("compare",),
+    "tests.certificates.test_verify": (),
     "tests.stress.test_command": ("stress",),
     "tests.backends.test_devices": ("render",),
 }

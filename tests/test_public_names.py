@@ -1,7 +1,7 @@
 """The public names stay what they are, whatever else is imported.
 
-`raytrace.compare` is a function, and the package that it comes from has the same name: importing a package's module for
-the first time puts the package in the place of the function. So each name is used before and after that.
+Importing a module for the first time makes it an attribute of its package, in the place of a function of that name. So
+each name is used before and after all modules are imported.
 """
 
 import subprocess
@@ -95,4 +95,16 @@ def test_names_once_all_modules_are_imported():
 def test_every_public_name_is_there():
     for name in raytrace.__all__:
         assert getattr(raytrace, name) is not None
-    assert sorted(raytrace.__all__) == raytrace.__all__
+    assert sorted(dir(raytrace)) == sorted(raytrace.__all__)
+
+
+def test_a_module_is_imported_when_it_is_used():
+    code = (
+        "import sys, raytrace\n"
+        "assert not {'numpy', 'jax', 'pydantic'} & set(sys.modules)\n"
+        "import raytrace.shader\n"
+        "assert not {'jax', 'pydantic'} & set(sys.modules)\n"
+        "raytrace.load_scene('checkerboard')\n"
+        "assert not {'jax', 'colour', 'matplotlib', 'skimage', 'OpenImageIO', 'scipy'} & set(sys.modules)\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -30,7 +30,7 @@ def certify(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Lower and upper bounds of every pixel, and what of the image they prove."""
-    from raytrace.certify import certify as certified
+    from raytrace.certificates import certify as certified
 
     if out and out.suffix.lower() != ".exr":
         raise InputError(f"{out}: a certificate must be named *.exr")
@@ -60,9 +60,9 @@ def verify(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Whether an image, or your shader's on Mesa, is one that a conforming program can print; exit code 1 if not."""
-    from raytrace.certify import certify as certified
-    from raytrace.certify import read_certificate
-    from raytrace.certify import verify as verified
+    from raytrace.certificates import certify as certified
+    from raytrace.certificates import read_certificate
+    from raytrace.certificates import verify as verified
     from raytrace.glsl.matching import parse_uniforms
     from raytrace.image import write_image
 
@@ -96,7 +96,7 @@ def verify(
 
 def _values(image: str, scene: object, size: tuple[int, int], linear: bool) -> tuple[np.ndarray, str, Depth | None]:
     """The values of a file or a backend, whether they are display or linear ones, and a file's depth."""
-    from raytrace.compare.inputs import KINDS, rendering_of, usual_kind
+    from raytrace.comparison.inputs import KINDS, rendering_of, usual_kind
     from raytrace.image import read_depth, read_image, read_metadata
 
     if image.startswith("backend:"):

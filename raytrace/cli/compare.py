@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from raytrace.cli.options import Changes, Size, size_of
-from raytrace.compare import BOUNDS, NotFinite, failures, matrix, write_diff
-from raytrace.compare import compare as compare_images
+from raytrace.comparison import BOUNDS, NotFinite, failures, matrix, write_diff
+from raytrace.comparison import compare as compare_images
 from raytrace.errors import InputError
 from raytrace.scene import load_scene
 from raytrace.scene.toml import DEFAULT_SCENE

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from raytrace.certify import certify, verify
+from raytrace.certificates import certify, verify
 from raytrace.conformance.scenes import STRUCTURES, Structure, random_scene
 from raytrace.errors import InputError
 from raytrace.rendering import render

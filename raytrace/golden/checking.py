@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from raytrace.certify import Verification, read_certificate, verify
-from raytrace.certify.certificate import check_specification
-from raytrace.compare import Comparison, failures
-from raytrace.compare.inputs import read_picture
+from raytrace.certificates import Verification, read_certificate, verify
+from raytrace.certificates.certificate import check_specification
+from raytrace.comparison import Comparison, failures
+from raytrace.comparison.inputs import read_picture
 from raytrace.errors import EngineFailure, InputError
 from raytrace.golden.golden import BOUNDS, Golden
 from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.compare import Comparison, compare, failures
+from raytrace.comparison import Comparison, compare, failures
 from raytrace.errors import InputError
 from raytrace.image import read_image
 from raytrace.rendering import render

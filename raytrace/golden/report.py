@@ -9,7 +9,7 @@ from string import Template
 
 import numpy as np
 
-from raytrace.compare import Comparison, write_diff
+from raytrace.comparison import Comparison, write_diff
 from raytrace.files import whole_file
 from raytrace.golden.checking import Checked
 from raytrace.image import write_image

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from raytrace.certify import certify
+from raytrace.certificates import certify
 from raytrace.errors import InputError
 from raytrace.files import reason
 from raytrace.golden.golden import SIZE, rendered

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.compare.film import developed, film_of
-from raytrace.compare.inputs import finite, read_picture
+from raytrace.comparison.film import developed, film_of
+from raytrace.comparison.inputs import finite, read_picture
 from raytrace.errors import InputError
 from raytrace.image import read_metadata
 from raytrace.scene.data import Scene

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from raytrace.certify import certify, verify
-from raytrace.compare.metrics import flip, largest_difference, pixels_over, psnr, similarity
+from raytrace.certificates import certify, verify
+from raytrace.comparison.metrics import flip, largest_difference, pixels_over, psnr, similarity
 from raytrace.errors import EngineFailure, InputError
 from raytrace.export.shaders import glsl
 from raytrace.mutants.mutations import MUTATIONS, Mutation

@@ -10,7 +10,7 @@ from raytrace.rendering import check_size
 from raytrace.scene import Scene, load_scene
 
 if TYPE_CHECKING:
-    from raytrace.notebook.view import View
+    from raytrace.notebook.widget import View
 
 __all__ = ["Answer", "Pictures", "check", "pictures", "png", "view"]
 
@@ -33,7 +33,7 @@ def view(scene: Scene | str | Path = "checkerboard", size: tuple[int, int] = (64
         raise InputError(f"samples: must be 1, 2, 4 or 8, found {samples!r}")
     scene = scene if isinstance(scene, Scene) else load_scene(scene)
     try:
-        from raytrace.notebook.view import View
+        from raytrace.notebook.widget import View
     except ModuleNotFoundError as error:
         raise InputError(f"view: needs {error.name}, which the extra has: pip install 'raytrace[notebooks]'") from None
     return View(scene, tuple(size), samples)

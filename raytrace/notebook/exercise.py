@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.compare import Comparison, compare, failures
+from raytrace.comparison import Comparison, compare, failures
 from raytrace.errors import InputError
 from raytrace.golden.golden import BOUNDS
 from raytrace.notebook.pictures import pictures

@@ -29,7 +29,7 @@ __all__ = [
 
 DEFAULT_SCENE = "checkerboard"
 
-_BUILT_IN = resources.files("raytrace") / "scenes"
+_BUILT_IN = resources.files("raytrace.scene") / "scenes"
 
 #: A list of numbers as tomli_w writes it, a line each.
 _NUMBERS = re.compile(r"\[\n((?:\s+[-+.\de]+,\n)+)\s*\]")

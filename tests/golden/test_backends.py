@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.compare.metrics import pixels_over, similarity
+from raytrace.comparison.metrics import pixels_over, similarity
 from raytrace.testing import goldens
 
 pytestmark = pytest.mark.unchecked

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.compare.metrics import pixels_over, similarity
+from raytrace.comparison.metrics import pixels_over, similarity
 from raytrace.golden import BOUNDS, backend_source, folder_source, golden_folder, golden_scenes, write_goldens
 from raytrace.image import read_metadata
 from raytrace.shader.specification import SPECIFICATION

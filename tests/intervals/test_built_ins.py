@@ -174,6 +174,6 @@ def test_a_power_of_zero_may_be_that_of_a_subnormal_number():
 
 
 def test_the_table_is_what_certificates_say():
-    from raytrace.certify.certificate import ASSUMPTIONS
+    from raytrace.certificates.certificate import ASSUMPTIONS
 
     assert {f"{name}: {forms}" for name, forms in BUILT_INS.items()} <= set(ASSUMPTIONS["glsl-highp"])

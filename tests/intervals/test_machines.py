@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from raytrace.certify import certify
+from raytrace.certificates import certify
 from raytrace.conformance import STRUCTURES, random_scene
 from raytrace.scene import load_scene
 from raytrace.shader.camera import pixel_to_ndc
@@ -11,7 +11,7 @@ from raytrace.shader.main import main
 from raytrace.shader.sphere import INTERSECTIONS
 from raytrace.shader.tree import tree_map
 from raytrace.uniforms import program_of, uniforms_of
-from tests.certify.provoking import provoking_scene
+from tests.certificates.provoking import provoking_scene
 from tests.intervals.machine import Machine, Number
 
 pytestmark = pytest.mark.unchecked

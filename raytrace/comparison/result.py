@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.compare import metrics
-from raytrace.compare.diagnosis import Diagnosis, diagnosis
-from raytrace.compare.inputs import comparable
-from raytrace.compare.reference import Reference
-from raytrace.compare.regions import Region, regions
+from raytrace.comparison import metrics
+from raytrace.comparison.diagnosis import Diagnosis, diagnosis
+from raytrace.comparison.inputs import comparable
+from raytrace.comparison.reference import Reference
+from raytrace.comparison.regions import Region, regions
 from raytrace.image import Depth
 from raytrace.scene import Scene
 from raytrace.tables import html_table, text_table
@@ -31,7 +31,7 @@ class Comparison:
     over: the number of pixels that differ by more than 1/255 in any channel; share: of all pixels.
     delta_e, flip: CIEDE2000 and FLIP.
     searched: whether mistakes were sought: they are not where no pixel differs by more than 1/255.
-    diagnosis: the mistake that was found, if any; see `raytrace.compare.diagnosis`.
+    diagnosis: the mistake that was found, if any; see `raytrace.comparison.diagnosis`.
     regions: the pixels over 1/255 by parts of the scene; empty where no scene is known or no pixel is over.
     images: the display values, float64 (height, width, 3).
     """

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.certify import certify, verify
+from raytrace.certificates import certify, verify
 from raytrace.scene import scenes
 from tests.engines import need
 from tests.scenes import SEVERAL_SCENES, some

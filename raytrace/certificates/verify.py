@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from raytrace.certify.certificate import Certificate
-from raytrace.compare.inputs import KINDS
+from raytrace.certificates.certificate import Certificate
+from raytrace.comparison.inputs import KINDS
 from raytrace.errors import InputError, did_you_mean
 from raytrace.image.depth import Depth, coarsest_depth, values_of
 from raytrace.rendering import render

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.compare.film import developed, film_of
+from raytrace.comparison.film import developed, film_of
 from raytrace.errors import InputError, did_you_mean
 from raytrace.image import Depth, file_format, read_depth, read_image, read_metadata
 from raytrace.image.depth import FLOAT32, depth_of_dtype, values_of

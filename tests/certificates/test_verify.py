@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.certify import certify, read_certificate, verify
+from raytrace.certificates import certify, read_certificate, verify
 from raytrace.errors import InputError
 from raytrace.image import read_depth, read_metadata, read_planes, write_planes
 from raytrace.image.depth import FLOAT32

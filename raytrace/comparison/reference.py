@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from raytrace.backends.numpy import TILE, Masked
-from raytrace.compare.views import View
+from raytrace.comparison.views import View
 from raytrace.rendering import Rendering
 from raytrace.scene import Scene
 from raytrace.shader.control import running

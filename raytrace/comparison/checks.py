@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from raytrace.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
-    from raytrace.compare.comparison import Comparison
+    from raytrace.comparison.result import Comparison
 
 __all__ = ["BOUNDS", "Bound", "failures"]
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.compare import write_diff
-from raytrace.compare.diff import _worst
+from raytrace.comparison import write_diff
+from raytrace.comparison.diff import _worst
 from raytrace.errors import InputError
 
 

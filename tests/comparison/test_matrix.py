@@ -3,7 +3,7 @@ import json
 import pytest
 
 from raytrace.backends import BACKENDS, Backend
-from raytrace.compare import matrix
+from raytrace.comparison import matrix
 from raytrace.errors import InputError
 
 pytestmark = pytest.mark.unchecked
@@ -16,7 +16,7 @@ def two_backends(monkeypatch):
     """NumPy and JAX, and one that is not there."""
     for name in BACKENDS.keys() - {"numpy", "jax"}:
         monkeypatch.delitem(BACKENDS, name)
-    monkeypatch.setitem(BACKENDS, "elsewhere", Backend("tests.compare.elsewhere", ("float32",)))
+    monkeypatch.setitem(BACKENDS, "elsewhere", Backend("tests.comparison.elsewhere", ("float32",)))
 
 
 def test_every_backend_against_every_other(two_backends):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.compare import NotFinite
+from raytrace.comparison import NotFinite
 from raytrace.errors import InputError
 from raytrace.rendering import Rendering
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from raytrace.compare.reference import Reference
+from raytrace.comparison.reference import Reference
 
 __all__ = ["Region", "regions"]
 

@@ -1,8 +1,8 @@
 import numpy as np
 
 import raytrace
-from raytrace.compare.reference import Reference
-from raytrace.compare.regions import regions
+from raytrace.comparison.reference import Reference
+from raytrace.comparison.regions import regions
 from tests.strategies import many
 
 SIZE = 160, 90

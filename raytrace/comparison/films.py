@@ -6,7 +6,7 @@ from itertools import permutations
 
 import numpy as np
 
-from raytrace.compare.film import NEUTRAL, developed, undeveloped
+from raytrace.comparison.film import NEUTRAL, developed, undeveloped
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
 from raytrace.shader.uniforms import FilmUniforms, Program
 

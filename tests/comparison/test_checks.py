@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.compare import BOUNDS, failures
+from raytrace.comparison import BOUNDS, failures
 from raytrace.errors import InputError
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.compare import failures
+from raytrace.comparison import failures
 
 RANDOM = np.random.default_rng(0)
 
@@ -100,7 +100,7 @@ def test_it_is_quick():
 
 def test_importing_raytrace_is_light():
     heavy = "skimage colour flip_evaluator matplotlib OpenImageIO scipy jax"
-    code = f"import sys, raytrace, raytrace.compare; print([x for x in '{heavy}'.split() if x in sys.modules])"
+    code = f"import sys, raytrace.comparison; print([x for x in '{heavy}'.split() if x in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = done.stdout.strip()
     assert loaded in ("[]", "['jax']")

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.compare.diagnosis import diagnosis
-from raytrace.compare.metrics import pixels_over
-from raytrace.compare.reference import Reference
+from raytrace.comparison.diagnosis import diagnosis
+from raytrace.comparison.metrics import pixels_over
+from raytrace.comparison.reference import Reference
 from raytrace.rendering import Rendering
 from raytrace.shader.camera import pixel_to_ndc
 from raytrace.shader.main import main

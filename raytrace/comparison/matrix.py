@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from raytrace.backends import BACKENDS
-from raytrace.compare.inputs import finite, rendering_of
-from raytrace.compare.metrics import pixels_over, similarity
+from raytrace.comparison.inputs import finite, rendering_of
+from raytrace.comparison.metrics import pixels_over, similarity
 from raytrace.errors import EngineFailure, InputError
 from raytrace.rendering import check_size
 from raytrace.scene import Scene, load_scene

@@ -3,7 +3,7 @@ from math import inf, log10
 import numpy as np
 import pytest
 
-from raytrace.compare import metrics
+from raytrace.comparison import metrics
 
 RANDOM = np.random.default_rng(0)
 

@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from raytrace.compare.film import film_of
-from raytrace.compare.films import channel_mistakes, film_mistakes
-from raytrace.compare.metrics import LEVEL, WINDOW, pixels_over, rmse
-from raytrace.compare.reference import Reference
-from raytrace.compare.views import View, resampled, views
+from raytrace.comparison.film import film_of
+from raytrace.comparison.films import channel_mistakes, film_mistakes
+from raytrace.comparison.metrics import LEVEL, WINDOW, pixels_over, rmse
+from raytrace.comparison.reference import Reference
+from raytrace.comparison.views import View, resampled, views
 from raytrace.scene import Scene
 
 __all__ = ["Diagnosis", "diagnosis"]

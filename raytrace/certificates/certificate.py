@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.certify.bounds import REASONS, Bounds, image_bounds
+from raytrace.certificates.bounds import REASONS, Bounds, image_bounds
 from raytrace.errors import InputError, did_you_mean
 from raytrace.image import read_metadata, read_planes, write_planes
 from raytrace.intervals import BUILT_INS, GLSL_HIGHP, REAL

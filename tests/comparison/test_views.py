@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.compare.reference import Reference
-from raytrace.compare.views import View, resampled, views
+from raytrace.comparison.reference import Reference
+from raytrace.comparison.views import View, resampled, views
 
 IMAGE = np.random.default_rng(0).uniform(0, 1, (7, 8, 3))
 

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.certify import certify, verify
-from raytrace.certify.bounds import MOST_COURSES, TOO_MANY, _Program, image_bounds
+from raytrace.certificates import certify, verify
+from raytrace.certificates.bounds import MOST_COURSES, TOO_MANY, _Program, image_bounds
 from raytrace.intervals import GLSL_HIGHP, Namespace
 from raytrace.scene.check import check_scene
 from raytrace.shader.control import Engine
 from raytrace.shader.pixel import Frame
 from raytrace.shader.tree import tree_map
 from raytrace.uniforms import program_of, uniforms_of
-from tests.certify.provoking import SIZE, provoking_scene
+from tests.certificates.provoking import SIZE, provoking_scene
 from tests.scenes import some
 
 pytestmark = pytest.mark.unchecked
@@ -140,7 +140,7 @@ def test_the_bounds_are_the_hull_of_all_courses_in_many_scenes(intersection):
 
 def test_bounds_do_not_depend_on_the_pixels_beside(monkeypatch):
     """A tile is one row, and the boxes of rays are others: all bounds stay as they are."""
-    from raytrace.certify import bounds
+    from raytrace.certificates import bounds
 
     scene = raytrace.load_scene("checkerboard")
     one = certify(scene, (48, 27), precision="glsl-highp", intersection="textbook")

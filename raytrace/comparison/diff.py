@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.compare.comparison import Comparison
-from raytrace.compare.metrics import LEVEL
+from raytrace.comparison.metrics import LEVEL
+from raytrace.comparison.result import Comparison
 from raytrace.errors import InputError
 from raytrace.files import whole_file
 
