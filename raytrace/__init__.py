@@ -4,6 +4,22 @@ The public names are in `__init__.pyi`, with the modules that they come from. A 
 is used first.
 """
 
-import lazy_loader
+import lazy_loader as _lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+from raytrace.showing import PNG as _PNG
+
+__getattr__, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)
+
+
+def _scene_as_png(scene):
+    from raytrace.errors import InputError
+    from raytrace.notebook.pictures import png
+    from raytrace.rendering import render
+
+    try:
+        return png(render(scene, (480, 270)))
+    except (InputError, TypeError):
+        return None
+
+
+_PNG["scene"] = _scene_as_png

@@ -1,8 +1,7 @@
 """Commands that render: `render` and `pixel`."""
 
-import os
 import time
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -70,13 +69,14 @@ def render(
     ] = False,
 ) -> None:
     """Render a scene to an image file."""
-    if not cache:
-        os.environ["RAYTRACE_CACHE"] = "off"
     out = out or Path(f"{Path(scene).stem}.png")
     together = scheduled or any(value is not None for value in (coordinator, hosts, process_id))
     if together and backend != "jax":
         raise InputError(f"backend {backend}: only jax renders on several hosts")
-    with cluster(coordinator, hosts, process_id) if together else nullcontext(True) as writes:
+    with (
+        _programs(backend, cache),
+        cluster(coordinator, hosts, process_id) if together else nullcontext(True) as writes,
+    ):
         rendering = Rendering(
             load_scene(scene, changes),
             size_of(size),
@@ -99,6 +99,15 @@ def render(
             rendering.compile()
             for _ in rendering.bands():
                 pass  # process 0 has it too
+
+
+def _programs(backend: str, cache: bool) -> AbstractContextManager:
+    """Whether compiled programs are kept on disk; only JAX has any."""
+    if cache or backend != "jax":
+        return nullcontext()
+    from raytrace.backends.jax.stored import not_stored
+
+    return not_stored()
 
 
 def _to_file(rendering: Rendering, out: Path, bits: int | None) -> None:

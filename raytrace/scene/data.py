@@ -13,6 +13,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from raytrace.errors import InputError
+from raytrace.showing import PNG
 
 __all__ = [
     "Camera",
@@ -226,16 +227,8 @@ class Scene(_Record):
             object.__setattr__(self, "planes", tuple(self.planes))
 
     def _repr_png_(self) -> bytes | None:
-        """The picture, as Jupyter shows it; of a scene that cannot be rendered, as it is traced or wrong, its text."""
-        # Upwards, and only when somebody looks.
-        from raytrace.errors import InputError
-        from raytrace.notebook.pictures import png
-        from raytrace.rendering import render
-
-        try:
-            return png(render(self, (480, 270)))
-        except (InputError, TypeError):
-            return None
+        """Return the picture for Jupyter, or ``None``: it shows the text of a scene that is traced or wrong."""
+        return PNG["scene"](self)
 
 
 def concrete(record: Any) -> Any:

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.exact import Exact, exact_steps
+from raytrace.backends.exact import exact_steps
+from raytrace.exact import Exact
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 from raytrace.scene.toml import load_scene

@@ -41,7 +41,8 @@ def test_real_numbers_are_bounded_and_decided(name):
 @SEVERAL_SCENES
 def test_the_exact_image_is_within(name):
     pytest.importorskip("flint")
-    from raytrace.exact import Exact, exact_steps, precision
+    from raytrace.backends.exact import exact_steps
+    from raytrace.exact import Exact, precision
 
     scene, (width, height) = raytrace.load_scene(name), (24, 13)
     display = exact_steps(scene, (width, height), ("display",)).display

@@ -11,7 +11,8 @@ import raytrace
 
 pytest.importorskip("flint")
 
-from raytrace.exact import Exact, Undecided, exact_steps, precision
+from raytrace.backends.exact import exact_steps
+from raytrace.exact import Exact, Undecided, precision
 from raytrace.shader.main import COMPONENTS
 from tests.scenes import SEVERAL_SCENES
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.core
@@ -22,7 +22,7 @@ from raytrace.backends.jax.stored import choices_as_text, stored
 from raytrace.backends.job import Job
 from raytrace.errors import InputError
 from raytrace.shader.control import count
-from raytrace.shader.uniforms import Uniforms
+from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = ["Renderer"]
 
@@ -48,12 +48,12 @@ def _traced(job: Job, rows: int, devices: Mesh) -> Callable:
 
 
 @lru_cache(maxsize=MOST)
-def _culled(job: Job, layout: Layout) -> Callable:
+def _culled(program: Program, layout: Layout) -> Callable:
     """The function that prepares many spheres, from all numbers."""
 
     @partial(jax.jit, compiler_options=OPTIONS)
     def culled(numbers: jax.Array) -> Culling:
-        return culling(layout.unpack(numbers), job.program)
+        return culling(layout.unpack(numbers), program)
 
     return culled
 
@@ -169,8 +169,7 @@ class Renderer:
 
     def prepare_anew(self) -> None:
         """Prepares the scene as if another had been rendered before, and waits for it."""
-        global _last
-        _last = None
+        _kept.cache_clear()
         with self._outside():
             jax.block_until_ready(self._prepared())
 
@@ -183,7 +182,8 @@ class Renderer:
 
     def _prepared(self) -> tuple[jax.Array, Culling | None]:
         """The uniforms, and with many spheres what is prepared of them, on all devices."""
-        return _kept(self.job, self.layout, self.numbers, self.many, self._everywhere())
+        job, content = self.job, self.numbers.tobytes()
+        return _kept(job.program, job.dtype, self.layout, content, self.many, self._everywhere())
 
     def _everywhere(self) -> NamedSharding:
         return NamedSharding(self.devices, PartitionSpec())
@@ -205,29 +205,17 @@ class Renderer:
             yield
 
 
-class _Last(NamedTuple):
-    """The scene that was prepared last: one picture is often followed by another of the same."""
-
-    key: tuple
-    numbers: np.ndarray
-    prepared: tuple
-
-
-_last: _Last | None = None
-
-
-def _kept(job: Job, layout: Layout, numbers: np.ndarray, many: bool, everywhere: NamedSharding) -> tuple:
-    global _last
-    key = job.program, job.dtype, layout, everywhere
-    last = _last
-    if last is not None and last.key == key and np.array_equal(last.numbers, numbers):
-        return last.prepared
+@lru_cache(maxsize=1)
+def _kept(
+    program: Program, dtype: str, layout: Layout, content: bytes, many: bool, everywhere: NamedSharding
+) -> tuple[jax.Array, Culling | None]:
+    """What is prepared of the uniforms with that content: one picture of a scene is often followed by another."""
+    numbers = np.frombuffer(content, dtype)
     on_devices = jax.device_put(numbers, everywhere)
     culled = None
     if many:
-        culled = _culled(job, layout)(numbers)
+        culled = _culled(program, layout)(numbers)
         if jax.process_count() > 1:
             culled = jax.tree.map(np.asarray, culled)
         culled = jax.device_put(culled, everywhere)
-    _last = _Last(key, numbers, (on_devices, culled))
-    return _last.prepared
+    return on_devices, culled

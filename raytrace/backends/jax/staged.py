@@ -8,7 +8,7 @@ block's rays can meet.
 
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import jax
@@ -92,27 +92,40 @@ class Staged(OneProgram):
     block: int | None = 1 << 13
 
     def at_block(self, program: Program, culling: Culling, mode: Any, differentiated: bool) -> "Block":
-        return Block(self.few, program, culling, mode, differentiated)
-
-
-class Block(OwnFunctions):
-    """The engine for one block of pixels, made anew in each trace: it holds what that trace computes.
-
-    mode: 0, or 1 to skip nothing: then all branches are computed and all lists are full. The bits are the same.
-    differentiated: whether the picture is being differentiated.
-    """
-
-    def __init__(self, few: int, program: Program, culling: Culling, mode: Any, differentiated: bool):
-        super().__init__(few=few)
-        self.__dict__.update(
+        return Block(
+            few=self.few,
             quadratic=program.intersection == "textbook",
             culling=culling,
             everything=mode > 0,
-            # Always true, which the compiler must not know.
             always=mode >= 0,
             differentiated=differentiated,
-            active=None,
         )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Block(OwnFunctions):
+    """The engine for one block of pixels, made anew in each trace: it holds what that trace computes.
+
+    quadratic: whether the textbook's formula is computed. everything: whether nothing is skipped: then all branches are
+    computed and all lists are full. The bits are the same. always: true, which the compiler must not know.
+    differentiated: whether the picture is being differentiated.
+    """
+
+    quadratic: bool
+    culling: Culling
+    everything: Any
+    always: Any
+    differentiated: bool
+    #: The pixels of interest within the contexts that are entered, the innermost last; ``None`` for all.
+    contexts: list[jax.Array | None] = field(default_factory=lambda: [None])
+
+    # Two blocks hold different arrays, and are never equal.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    @property
+    def active(self) -> jax.Array | None:
+        return self.contexts[-1]
 
     def step(self, function: Callable, args: tuple) -> Any:
         leaves, tree = jax.tree.flatten(args, is_leaf=lambda part: not isinstance(part, tuple))
@@ -183,12 +196,11 @@ class Block(OwnFunctions):
     @contextmanager
     def _only(self, active: jax.Array):
         """The same, and whatever was of interest before is not."""
-        before = self.active
-        self.__dict__["active"] = active
+        self.contexts.append(active)
         try:
             yield active
         finally:
-            self.__dict__["active"] = before
+            self.contexts.pop()
 
 
 class _Loop(NamedTuple):

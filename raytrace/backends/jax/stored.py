@@ -4,15 +4,16 @@ JAX's own persistent cache saves the compilation alone; tracing and lowering wou
 whole program does. A program is machine code for one kind of processor, so processor, JAX's and XLA's versions and this
 package's own text are part of its name.
 
-The environment variable RAYTRACE_CACHE names another folder, or is "off".
+The environment variable RAYTRACE_CACHE names another folder, or is "off". Within `not_stored` no program is kept.
 """
 
 import hashlib
 import os
 import pickle
 import platform
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -25,16 +26,29 @@ from raytrace.errors import InputError
 from raytrace.files import whole_file
 from raytrace.shader.uniforms import Program
 
-__all__ = ["choices_as_text", "stored"]
+__all__ = ["choices_as_text", "not_stored", "stored"]
 
 #: The most bytes of programs that are kept; those that were not used for longest go first. One takes 1 to 20 MB.
 MOST = 1 << 29
 
 
+_off: ContextVar[bool] = ContextVar("raytrace_programs_not_stored", default=False)
+
+
+@contextmanager
+def not_stored() -> Iterator[None]:
+    """Within this context programs are neither taken from the folder nor kept there."""
+    token = _off.set(True)
+    try:
+        yield
+    finally:
+        _off.reset(token)
+
+
 def folder() -> Path | None:
     """Where programs are kept, or ``None`` where they are not to be."""
     chosen = os.environ.get("RAYTRACE_CACHE")
-    if chosen == "off":
+    if chosen == "off" or _off.get():
         return None
     if chosen:
         return Path(chosen)
