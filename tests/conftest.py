@@ -1,8 +1,7 @@
 """Settings of the whole suite.
 
 By default one example of each kind is run. `--full` runs all of them: every built-in scene, every choice, full-size
-images, many random examples. It also checks the package's annotations at run time, as `test_annotations.py` does for a
-few calls by default: checks take longer than what they check.
+images, many random examples.
 """
 
 import gc
@@ -10,11 +9,12 @@ import os
 import sys
 from pathlib import Path
 
-import jaxtyping
 import pytest
 from hypothesis import HealthCheck, settings
 
-# The package is imported where it is used: by then its annotations are checked, or not.
+from raytrace.backends.gpu.drawing import Unavailable
+from raytrace.backends.gpu.webgl import chromium
+from tests.engines import need, skip_unless_required
 
 for profile, examples in (("default", 30), ("full", 100)):
     settings.register_profile(
@@ -54,8 +54,6 @@ def pytest_configure(config):
         config.option.dist, config.option.loadscopereorder = "loadfile", False
     # Before the tests are imported, which ask for it.
     settings.load_profile("full" if config.option.full else "default")
-    if config.option.full:
-        jaxtyping.install_import_hook("raytrace", "beartype.beartype")
 
 
 def pytest_collection_modifyitems(config, items):
@@ -116,20 +114,9 @@ def not_too_many_programs():
         gc.collect()
 
 
-@pytest.fixture(autouse=True)
-def types_are_checked(request):
-    """But in the tests that `--full` adds and in those that are marked so: they take too long with checks."""
-    unchecked = any(map(request.node.get_closest_marker, ("full", "unchecked")))
-    jaxtyping.config.update("jaxtyping_disable", unchecked)
-    yield
-    jaxtyping.config.update("jaxtyping_disable", False)
-
-
 @pytest.fixture(params=["opengl", "webgl"])
 def engine(request):
     """The name of a graphics engine. Where it is missing the test is skipped, unless all are required."""
-    from tests.engines import need
-
     need(request.param)
     return request.param
 
@@ -137,10 +124,6 @@ def engine(request):
 @pytest.fixture(scope="session")
 def browser():
     """Chromium. Where it is missing the test is skipped, unless all are required."""
-    from raytrace.backends.gpu.drawing import Unavailable
-    from raytrace.backends.gpu.webgl import chromium
-    from tests.engines import skip_unless_required
-
     try:
         try:
             from playwright.sync_api import sync_playwright

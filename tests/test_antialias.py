@@ -13,8 +13,6 @@ from raytrace.inverse.accuracy import derivative, random_world
 from raytrace.inverse.differences import block_sums, difference
 from tests.scenes import some
 
-pytestmark = pytest.mark.unchecked
-
 SIZE = (64, 36)
 EXACT = {"backend": "numpy", "dtype": "float64"}
 

@@ -13,8 +13,6 @@ from raytrace.scene.check import check_scene
 from raytrace.scene.rules import BRIGHTEST, LARGEST, LONGEST, MOST_EXPOSURE, SHORTEST
 from tests.scenes import examples, some
 
-pytestmark = pytest.mark.unchecked
-
 SIZE = (9, 5)
 
 

@@ -21,8 +21,6 @@ from raytrace.uniforms import program_of, uniforms_of
 from tests.scenes import SEVERAL_SCENES, examples, some
 from tests.strategies import colors, directions, many, numbers, positions, spheres
 
-pytestmark = pytest.mark.unchecked
-
 #: An odd height: the default camera is level, and the middle row's rays are parallel to the ground.
 SIZE = (48, 27)
 

@@ -17,6 +17,7 @@ LAYERS = [
     {"errors", "cores", "showing"},
     {"files", "tables", "colour_science"},
     {"shader"},
+    {"edges"},
     {"exact", "intervals"},
     {"white_balance"},
     {"scene"},

@@ -14,10 +14,10 @@ import numpy as np
 from raytrace.backends.culling import Beam, Bounds, Pencil, Region, outside, primary_rays, shadow_rays
 from raytrace.backends.job import Job
 from raytrace.cores import cores
+from raytrace.edges import pixels
 from raytrace.shader.control import Engine, running
 from raytrace.shader.hit import Hit, Nearest
 from raytrace.shader.main import COMPONENTS
-from raytrace.shader.pixel import pixels
 from raytrace.shader.tree import tree_map
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
 

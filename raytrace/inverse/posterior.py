@@ -180,7 +180,7 @@ def _widened(stage: Stage, factor: float) -> Stage:
     return Stage(stage.mean, factor * stage.covariance + FINEST**2 * np.eye(len(stage.mean)))
 
 
-def degrees_between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def degrees_between(a: np.ndarray, b: np.ndarray) -> np.ndarray | np.floating:
     """Return the angles between unit vectors along the last axis."""
     return np.degrees(2 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=-1) / 2, 0, 1)))
 

@@ -77,7 +77,7 @@ class Relit:
         given = self.uniforms, size, at[0][0], at[1][0]
         meet = kept(f"met {samples}", self.program, _met(self.program, samples), given)
 
-        def met_at(shift: float) -> np.ndarray:
+        def met_at(shift: np.float32) -> np.ndarray:
             parts = [np.asarray(meet(self.uniforms, size, x + shift, y + shift)) for x, y in zip(*at, strict=True)]
             return np.stack(parts, 1).reshape(len(parts[0]), -1, SIDE * SIDE, samples**2)[:, :count]
 

@@ -1,20 +1,27 @@
 """Sun, sky and shadow (assignment, 'Light and Shadow')."""
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 from raytrace.shader.control import branch, count, step
-from raytrace.shader.coverage import positive_mean
 from raytrace.shader.glsl import Vec3, clamp, dot, maximum, normalize, select
-from raytrace.shader.jet import values
 from raytrace.shader.literal import literal
 from raytrace.shader.namespace import constant
-from raytrace.shader.occlusion import lit_share, lit_share_of_planes
 from raytrace.shader.plane import any_plane_intersect
 from raytrace.shader.sphere import any_sphere_intersect
 from raytrace.shader.types import Float, Int
 from raytrace.shader.uniforms import Program, Uniforms
 
-__all__ = ["SHADOW_OFFSET", "SHADOW_STARTS", "Light", "light_at_point", "shadow_ray"]
+__all__ = [
+    "POINT",
+    "SHADOW_OFFSET",
+    "SHADOW_STARTS",
+    "Footprint",
+    "Light",
+    "light_at_point",
+    "place_of_plane",
+    "shadow_ray",
+]
 
 #: How far along the normal a shadow ray starts, so that a surface does not shadow itself.
 SHADOW_OFFSET = literal("1e-3")
@@ -37,33 +44,51 @@ class Light(NamedTuple):
 def shadow_ray(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program, but: Int | None = None) -> Float:
     """How much light comes along the ray: 0 where a sphere stands at t >= 0, else 1.
 
-    With edges antialiased, the share of a pixel's rays that none stops. Planes block only where they are asked to
-    (``casts_shadow``); the assignment's does not. `but`: the index of a surface that does not block, spheres counted
-    first, then planes; ``None`` for none.
+    Planes block only where they are asked to (``casts_shadow``); the assignment's does not. `but`: the index of a
+    surface that does not block, spheres counted first, then planes; ``None`` for none.
     """
-    plane = None
-    if uniforms.shadow_planes is not None and but is not None:
-        plane = place_among(program.casting, but - count(uniforms.spheres))
-    if program.antialias == "edges":
-        by_spheres = lit_share(ro, rd, uniforms.spheres, but)
-        return by_spheres * lit_share_of_planes(ro, rd, uniforms.shadow_planes, plane)
     blocked = any_sphere_intersect(ro, rd, uniforms.spheres, program.intersection, but)
     if uniforms.shadow_planes is not None:
-        blocked = blocked | any_plane_intersect(ro, rd, uniforms.shadow_planes, plane)
+        blocked = blocked | any_plane_intersect(ro, rd, uniforms.shadow_planes, place_of_plane(but, uniforms, program))
     return select(blocked, constant(0, rd.x), 1)
 
 
-def place_among(numbers: tuple[int, ...], number: Int) -> Int:
-    """Where `number` stands among `numbers`; -1 where it is none of them."""
+def place_of_plane(index: Int | None, uniforms: Uniforms, program: Program) -> Int | None:
+    """Where surface number `index` stands among the planes that cast shadows; -1 where it is none of them."""
+    if index is None:
+        return None
+    number = index - count(uniforms.spheres)
     place = constant(-1, number)
-    for i, known in enumerate(numbers):
+    for i, known in enumerate(program.casting):
         place = select(number == known, i, place)
     return place
 
 
+class Footprint(NamedTuple):
+    """What light is received at: a point, as in the assignment, or all of a pixel (`raytrace.edges`).
+
+    positive: ``max(0, x)``, or its mean over the pixel. centre: a vector at the middle. shadow: `shadow_ray`, or the
+    share of the pixel that the sun reaches.
+    """
+
+    positive: Callable[[Any], Float]
+    centre: Callable[[Vec3], Vec3]
+    shadow: Callable[..., Float]
+
+
+#: The assignment's.
+POINT = Footprint(positive=lambda x: maximum(x, 0), centre=lambda v: v, shadow=shadow_ray)
+
+
 @step
 def light_at_point(
-    point: Vec3, N: Vec3, index: Int, uniforms: Uniforms, program: Program, every_shadow: bool = False
+    point: Vec3,
+    N: Vec3,
+    index: Int,
+    uniforms: Uniforms,
+    program: Program,
+    every_shadow: bool = False,
+    footprint: Footprint = POINT,
 ) -> Light:
     """The light that the surface number `index`, of unit normal `N`, receives at `point`: Lambert's sun and a share of
     the sky.
@@ -72,16 +97,14 @@ def light_at_point(
     """
     sun, sky = uniforms.sun, uniforms.sky
     L = normalize(sun.direction)
-    if program.antialias == "edges":
-        NdL, N = positive_mean(dot(N, L)), values(N)
-    else:
-        NdL = maximum(dot(N, L), 0)
+    NdL = footprint.positive(dot(N, L))
+    N = footprint.centre(N)
     NdSky = clamp(0.5 * N.y + 0.5, 0, 1)
 
     def sent(point, N, index):
         if program.shadow_start == "surface":
-            return shadow_ray(point, L, uniforms, program, index)
-        return shadow_ray(point + SHADOW_OFFSET * N, L, uniforms, program)
+            return footprint.shadow(point, L, uniforms, program, index)
+        return footprint.shadow(point + SHADOW_OFFSET * N, L, uniforms, program)
 
     def not_sent(point, N, index):
         return constant(1, N.x)

@@ -1,24 +1,24 @@
 """``main()``: the steps of the assignment, in order."""
 
+from collections.abc import Callable
 from math import inf
 from typing import Any, NamedTuple
 
 from raytrace.shader.camera import orthographic_ray, primary_ray
-from raytrace.shader.checkerboard import checkerboard, checkerboard_mean
+from raytrace.shader.checkerboard import checkerboard
 from raytrace.shader.control import at, branch, count
 from raytrace.shader.film import develop
 from raytrace.shader.glsl import Vec2, Vec3, normalize, select
 from raytrace.shader.hit import Hit
-from raytrace.shader.jet import jet
-from raytrace.shader.light import Light, light_at_point
+from raytrace.shader.light import POINT, Footprint, Light, light_at_point
 from raytrace.shader.namespace import constant
 from raytrace.shader.plane import closest_plane_intersect
 from raytrace.shader.sky import background_color
 from raytrace.shader.sphere import closest_sphere_intersect
-from raytrace.shader.tree import array_map
-from raytrace.shader.uniforms import Program, Uniforms
+from raytrace.shader.types import Float
+from raytrace.shader.uniforms import Plane, Program, Uniforms
 
-__all__ = ["COMPONENTS", "Steps", "main"]
+__all__ = ["COMPONENTS", "Steps", "main", "shade"]
 
 
 class Steps(NamedTuple):
@@ -103,16 +103,32 @@ def closest_hit(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program) -> Hit
     return select(plane_seen, plane, select(sphere_seen, Hit(sphere_t, sphere_index), nothing))
 
 
-def shade(ro: Vec3, rd: Vec3, hit: Hit, uniforms: Uniforms, program: Program, every_shadow: bool) -> Steps:
+def plane_surface(point: Vec3, t: Float, plane: Plane, program: Program) -> tuple[Vec3, Vec3]:
+    """Unit normal and colour of a plane at `point`."""
+    if not program.patterned:
+        return plane.normal, plane.even
+    return plane.normal, checkerboard(point, plane.tile_size, plane.even, plane.odd, plane.line)
+
+
+def shade(
+    ro: Vec3,
+    rd: Vec3,
+    hit: Hit,
+    uniforms: Uniforms,
+    program: Program,
+    every_shadow: bool = False,
+    plane_surface: Callable = plane_surface,
+    footprint: Footprint = POINT,
+) -> Steps:
     """Position, normal, light and colour of the surface that the ray meets at `hit`."""
     hit_point = ro + hit.t * rd
-    N, albedo = normal_and_color(hit_point, hit, uniforms, program)
+    N, albedo = normal_and_color(hit_point, hit, uniforms, program, plane_surface)
     if program.lighting == "off":
         zero = constant(0, hit.t)
         light = Light(zero, zero, zero, Vec3(zero, zero, zero))
         color = albedo
     else:
-        light = light_at_point(hit_point, N, hit.index, uniforms, program, every_shadow)
+        light = light_at_point(hit_point, N, hit.index, uniforms, program, every_shadow, footprint)
         color = light.light * albedo
     return Steps(
         hitPoint=hit_point,
@@ -125,7 +141,9 @@ def shade(ro: Vec3, rd: Vec3, hit: Hit, uniforms: Uniforms, program: Program, ev
     )
 
 
-def normal_and_color(point: Vec3, hit: Hit, uniforms: Uniforms, program: Program) -> tuple[Vec3, Vec3]:
+def normal_and_color(
+    point: Vec3, hit: Hit, uniforms: Uniforms, program: Program, plane_surface: Callable = plane_surface
+) -> tuple[Vec3, Vec3]:
     """Unit normal and colour of the surface that is hit at `point`, which lies on it."""
     spheres, planes = uniforms.spheres, uniforms.planes
 
@@ -134,16 +152,7 @@ def normal_and_color(point: Vec3, hit: Hit, uniforms: Uniforms, program: Program
         return normalize(point - sphere.center), sphere.color
 
     def on_plane(point, t, index):
-        plane = at(planes, index - count(spheres))
-        edges = program.antialias == "edges"
-        # On spheres it is a jet there.
-        normal = array_map(jet, plane.normal) if edges else plane.normal
-        if not program.patterned:
-            return normal, plane.even
-        pattern = plane.tile_size, plane.even, plane.odd, plane.line
-        if edges:
-            return normal, checkerboard_mean(point, t, not program.orthographic, *pattern)
-        return normal, checkerboard(point, *pattern)
+        return plane_surface(point, t, at(planes, index - count(spheres)), program)
 
     if planes is None:
         return on_sphere(point, *hit)

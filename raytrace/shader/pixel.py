@@ -1,20 +1,19 @@
 """From pixels to the image: where the samples of a pixel lie, and their mean."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from raytrace.shader.camera import pixel_to_ndc
 from raytrace.shader.control import each
 from raytrace.shader.film import develop
 from raytrace.shader.glsl import Vec2, Vec3
-from raytrace.shader.jet import Jet
-from raytrace.shader.layers import mean_color
 from raytrace.shader.main import Steps, main
 from raytrace.shader.namespace import constant
 from raytrace.shader.sampling import sample_grid
 from raytrace.shader.types import Float
 from raytrace.shader.uniforms import Program, Uniforms
 
-__all__ = ["Frame", "pixels"]
+__all__ = ["Frame", "mean_of_samples", "pixels", "sample_ndc", "texture_coordinates"]
 
 
 class Frame(NamedTuple):
@@ -41,37 +40,46 @@ def pixels(
 ) -> Steps:
     """The steps named in `keep` for the pixels (column, row); of several samples, their mean in linear light.
 
-    With more than one sample, and with edges antialiased, only "linear" and "display" have a meaning.
+    With more than one sample only "linear" and "display" have a meaning.
     """
 
-    def ndc(offset, column, row):
-        uv = texture_coordinates(column, row, offset, frame)
-        return pixel_to_ndc(uv.x, uv.y)
-
     def sample(offset, column, row):
-        if program.antialias == "edges":
-            # A pixel is one thing there, and not the crossing of a column and a row.
-            column, row = column + 0 * row, row + 0 * column
-            return mean_color(uniforms, program, ndc(square(offset), column, row))
-        return main(uniforms, program, ndc(offset, column, row), ("linear",)).linear
+        return main(uniforms, program, sample_ndc(offset, column, row, frame), ("linear",)).linear
+
+    if frame.samples == 1:
+        center = Vec2(constant(0.5, column), constant(0.5, column))
+        return main(uniforms, program, sample_ndc(center, column, row, frame), keep)
+    return mean_of_samples(sample, uniforms, program, column, row, frame, keep)
+
+
+def sample_ndc(offset: Vec2, column: Float, row: Float, frame: Frame) -> Vec2:
+    """Normalized device coordinates of the sample at `offset`, counted in samples, of the pixel."""
+    uv = texture_coordinates(column, row, offset, frame)
+    return pixel_to_ndc(uv.x, uv.y)
+
+
+def mean_of_samples(
+    sample: Callable[[Vec2, Float, Float], Vec3],
+    uniforms: Uniforms,
+    program: Program,
+    column: Float,
+    row: Float,
+    frame: Frame,
+    keep: tuple[str, ...],
+) -> Steps:
+    """The mean of the samples' linear colours, and its display values, as `keep` says.
+
+    sample: gives the linear colour at an offset, counted in samples, of the pixel (column, row).
+    """
 
     def add(total, _, offset, column, row):
         return total + sample(offset, column, row)
 
     if frame.samples == 1:
-        center = Vec2(constant(0.5, column), constant(0.5, column))
-        if program.antialias == "none":
-            return main(uniforms, program, ndc(center, column, row), keep)
-        linear = sample(center, column, row)
+        linear = sample(Vec2(constant(0.5, column), constant(0.5, column)), column, row)
     else:
         zero = constant(0, column)
         total = each(sample_grid(frame.samples, column), add, Vec3(zero, zero, zero), column, row, unroll=False)
         linear = total / frame.samples**2
     display = develop(linear, uniforms.film, program) if "display" in keep else None
     return Steps(linear=linear, display=display).only(keep)
-
-
-def square(center: Vec2) -> Vec2:
-    """The square around a sample, whose side is 1: its centre, and how that changes over it."""
-    one, zero = constant(1, center.x), constant(0, center.x)
-    return Vec2(Jet(center.x, one, zero), Jet(center.y, zero, one))

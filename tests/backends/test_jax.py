@@ -17,8 +17,6 @@ from raytrace.uniforms import program_of, uniforms_of
 from tests.scenes import SEVERAL_SCENES, some
 from tests.strategies import many
 
-pytestmark = pytest.mark.unchecked
-
 
 def numpy_steps(name, size):
     return raytrace.render(name, size, backend="numpy", dtype="float64", output="steps")

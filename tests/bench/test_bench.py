@@ -12,8 +12,6 @@ from raytrace.bench.timing import Timing, in_turn
 from raytrace.cli.bench import bench
 from raytrace.errors import InputError
 
-pytestmark = pytest.mark.unchecked
-
 
 def row(name, milliseconds, rms):
     return Row(name, Timing(milliseconds, milliseconds, milliseconds), Errors(rms, rms, rms, rms, 0, 0))

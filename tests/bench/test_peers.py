@@ -11,8 +11,6 @@ from raytrace.bench.contenders import contenders, mitsuba_frame
 from raytrace.errors import InputError
 from tests.engines import skip_unless_required
 
-pytestmark = pytest.mark.unchecked
-
 SIZE = 96, 54
 
 

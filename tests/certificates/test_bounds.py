@@ -9,8 +9,6 @@ from raytrace.scene import scenes
 from tests.engines import need
 from tests.scenes import SEVERAL_SCENES, some
 
-pytestmark = pytest.mark.unchecked
-
 SIZE = (96, 54)
 SMALL = (48, 27)
 #: That of the golden images, whose programs are shared.

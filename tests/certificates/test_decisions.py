@@ -15,8 +15,6 @@ from raytrace.uniforms import program_of, uniforms_of
 from tests.certificates.provoking import SIZE, provoking_scene
 from tests.scenes import some
 
-pytestmark = pytest.mark.unchecked
-
 FORMULAS = pytest.mark.parametrize("intersection", ["textbook", "robust"])
 
 
@@ -129,13 +127,13 @@ def assert_all_courses_are_followed(seeds, intersection):
 
 @FORMULAS
 def test_the_bounds_are_the_hull_of_all_courses(intersection):
-    assert assert_all_courses_are_followed(range(12), intersection) >= 6
+    assert assert_all_courses_are_followed(range(8), intersection) >= 3
 
 
 @FORMULAS
 @pytest.mark.full
 def test_the_bounds_are_the_hull_of_all_courses_in_many_scenes(intersection):
-    assert assert_all_courses_are_followed(range(100, 190), intersection) >= 30
+    assert assert_all_courses_are_followed(range(100, 150), intersection) >= 15
 
 
 def test_bounds_do_not_depend_on_the_pixels_beside(monkeypatch):

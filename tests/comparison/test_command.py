@@ -10,8 +10,6 @@ import raytrace
 from tests.processes import command
 from tests.test_cli import refused
 
-pytestmark = pytest.mark.unchecked
-
 SMALL = ["--size", "48x27"]
 
 

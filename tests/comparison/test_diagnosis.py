@@ -15,8 +15,6 @@ from raytrace.shader.camera import pixel_to_ndc
 from raytrace.shader.main import main
 from raytrace.uniforms import program_of, uniforms_of
 
-pytestmark = pytest.mark.unchecked
-
 SIZE = 160, 90
 SCENE = "checkerboard"
 

@@ -6,8 +6,6 @@ from raytrace.backends import BACKENDS, Backend
 from raytrace.comparison import matrix
 from raytrace.errors import InputError
 
-pytestmark = pytest.mark.unchecked
-
 SIZE = 48, 27
 
 

@@ -14,8 +14,6 @@ from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
 from raytrace.shader.sphere import INTERSECTIONS
 from tests.engines import need
 
-pytestmark = pytest.mark.unchecked
-
 
 def test_structures_have_every_choice():
     def chosen(field):

@@ -16,8 +16,6 @@ from raytrace.exact import Exact, Undecided, precision
 from raytrace.shader.main import COMPONENTS
 from tests.scenes import SEVERAL_SCENES
 
-pytestmark = pytest.mark.unchecked
-
 floats = st.floats(allow_nan=False, allow_infinity=False)
 
 

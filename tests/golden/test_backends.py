@@ -7,8 +7,6 @@ import raytrace
 from raytrace.comparison.metrics import pixels_over, similarity
 from raytrace.testing import goldens
 
-pytestmark = pytest.mark.unchecked
-
 EVERY = pytest.mark.parametrize(
     "golden", [pytest.param(g, marks=() if g.name == "checkerboard" else pytest.mark.full) for g in goldens()], ids=str
 )

@@ -21,8 +21,6 @@ from tests.engines import need
 from tests.processes import COMMAND, command, started
 from tests.scenes import some
 
-pytestmark = pytest.mark.unchecked
-
 SIZE = (96, 54)
 SCENES = ("checkerboard", "skybox")
 

@@ -8,8 +8,6 @@ from raytrace.shader.glsl import Mat3, Mat4, Vec3, Vec4, clamp, dot, exp2, log2,
 from raytrace.shader.literal import literal
 from tests.intervals.machine import Machine
 
-pytestmark = pytest.mark.unchecked
-
 N = 30_000
 XP = Namespace(GLSL_HIGHP)
 

@@ -14,8 +14,6 @@ from raytrace.uniforms import program_of, uniforms_of
 from tests.certificates.provoking import provoking_scene
 from tests.intervals.machine import Machine, Number
 
-pytestmark = pytest.mark.unchecked
-
 SIZE = (12, 7)
 #: So many machines draw each pixel.
 MACHINES = 20

@@ -9,8 +9,6 @@ from raytrace.inverse.relit import Relit
 from tests.inverse.worlds import under, world
 from tests.scenes import some
 
-pytestmark = pytest.mark.unchecked
-
 
 @pytest.mark.parametrize("size", [(16, 16), (64, 36), (97, 54)])
 def test_blocks_hold_every_pixel_once(size):

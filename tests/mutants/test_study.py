@@ -7,8 +7,6 @@ from raytrace.export.shaders import glsl
 from raytrace.mutants import DETECTORS, MUTATIONS, SCENES, study
 from tests.engines import need
 
-pytestmark = pytest.mark.unchecked
-
 
 def test_every_mistake_can_be_made_and_changes_the_text():
     texts = [glsl(raytrace.load_scene(name), (96, 54), data="uniforms") for name in SCENES]

@@ -13,7 +13,7 @@ import raytrace
 from tests.engines import skip_unless_required
 from tests.processes import started
 
-pytestmark = [pytest.mark.full, pytest.mark.unchecked]
+pytestmark = [pytest.mark.full]
 
 SIZE = (320, 180)
 CELLS = [

@@ -13,8 +13,6 @@ from raytrace.errors import InputError
 from raytrace.notebook.orbit import orbited, pivot_of, zoomed
 from tests.engines import skip_unless_required
 
-pytestmark = pytest.mark.unchecked
-
 #: Seconds after which a view is sharp, and some.
 REST = 0.3
 CAMERAS = ["spheres", "orthographic", "shifted-lens"]

@@ -11,7 +11,6 @@ from raytrace.shader.tree import tree_leaves, tree_map
 from raytrace.stress import QUICK, stress, verdicts
 from raytrace.stress.cameras import CameraStress, _direction_condition, _perspective
 
-pytestmark = pytest.mark.unchecked
 AXES = ["narrow_view", "wide_view", "near_far", "camera_matrix"]
 
 

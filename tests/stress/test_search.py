@@ -14,7 +14,6 @@ from raytrace.stress.bounds import ROBUST
 from raytrace.stress.rays import Rays, answered, given
 from raytrace.stress.search import climb, random_rays, rows_of
 
-pytestmark = pytest.mark.unchecked
 ARITHMETICS = pytest.mark.parametrize("arithmetic", of_floats(), ids=lambda a: a.name)
 
 

@@ -11,9 +11,9 @@ from raytrace.backends.jax.engines import OneProgram
 from raytrace.backends.jax.staged import SEARCHED, Culling, Staged, culling
 from raytrace.backends.jax.tiles import Tiles
 from raytrace.backends.job import Job
+from raytrace.edges import pixels
 from raytrace.shader.control import running
 from raytrace.shader.main import COMPONENTS
-from raytrace.shader.pixel import pixels
 from raytrace.shader.uniforms import Uniforms
 
 __all__ = ["draw", "engine_of", "tiles_of"]

@@ -1,7 +1,7 @@
 """How much of a pixel's rays a sphere stops, and how much of a pixel the sun reaches: visibility between 0 and 1."""
 
+from raytrace.edges.coverage import disc_coverage, half_plane_coverage
 from raytrace.shader.control import at, branch, count, each
-from raytrace.shader.coverage import disc_coverage, half_plane_coverage
 from raytrace.shader.glsl import Vec3, dot, select
 from raytrace.shader.hit import Darkest, Nearest
 from raytrace.shader.jet import values

@@ -7,15 +7,16 @@ of them.
 
 from typing import Any, NamedTuple
 
+from raytrace.edges.coverage import half_plane_coverage
+from raytrace.edges.occlusion import inserted, none_yet, sphere_share
+from raytrace.edges.shading import PIXEL, plane_surface
 from raytrace.shader.camera import orthographic_ray, primary_ray
 from raytrace.shader.control import at, branch, count, each, rarely, step
-from raytrace.shader.coverage import half_plane_coverage
 from raytrace.shader.glsl import Vec2, Vec3, clamp, dot, maximum, minimum, select, smallest_divisor
 from raytrace.shader.hit import Hit, Nearest
 from raytrace.shader.jet import Jet, jet, value, values
 from raytrace.shader.main import shade
 from raytrace.shader.namespace import constant, namespace
-from raytrace.shader.occlusion import inserted, none_yet, sphere_share
 from raytrace.shader.sampling import sample_grid
 from raytrace.shader.sky import background_color
 from raytrace.shader.sphere import sphere_reach
@@ -68,7 +69,7 @@ def mean_color(uniforms: Uniforms, program: Program, pixel_ndc: Vec2) -> Vec3:
     def shaded(pixel_ndc, index):
         ro, rd = ray(pixel_ndc)
         t = reach(ro, rd, index, uniforms, program)
-        steps = shade(ro, rd, Hit(t, index), uniforms, program, every_shadow=False)
+        steps = shade(ro, rd, Hit(t, index), uniforms, program, False, plane_surface, PIXEL)
         return values((steps.linear, steps.shadow))
 
     def finer(pixel_ndc, index, color):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from raytrace.shader.coverage import disc_coverage, half_plane_coverage, interval_coverage, positive_mean
+from raytrace.edges.coverage import disc_coverage, half_plane_coverage, interval_coverage, positive_mean
 from raytrace.shader.glsl import Vec3
 from raytrace.shader.jet import Jet
 

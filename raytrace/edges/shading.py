@@ -1,0 +1,35 @@
+"""What differs in the assignment's steps where a surface is seen by all of a pixel, and not at one point of it."""
+
+from raytrace.edges.coverage import positive_mean
+from raytrace.edges.occlusion import lit_share, lit_share_of_planes
+from raytrace.edges.pattern import checkerboard_mean
+from raytrace.shader.control import step
+from raytrace.shader.glsl import Vec3
+from raytrace.shader.jet import Jet, jet, values
+from raytrace.shader.light import Footprint, place_of_plane
+from raytrace.shader.tree import array_map
+from raytrace.shader.types import Float, Int
+from raytrace.shader.uniforms import Plane, Program, Uniforms
+
+__all__ = ["PIXEL", "plane_surface"]
+
+
+@step
+def shadow(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program, but: Int | None = None) -> Float:
+    """Return the share of a pixel's rays, jets, that no sphere and no plane stops; `but` as of `shadow_ray`."""
+    by_spheres = lit_share(ro, rd, uniforms.spheres, but)
+    plane = None if uniforms.shadow_planes is None else place_of_plane(but, uniforms, program)
+    return by_spheres * lit_share_of_planes(ro, rd, uniforms.shadow_planes, plane)
+
+
+#: Light over a pixel, of jets.
+PIXEL = Footprint(positive=positive_mean, centre=values, shadow=shadow)
+
+
+def plane_surface(point: Vec3, t: Jet, plane: Plane, program: Program) -> tuple[Vec3, Vec3]:
+    """Return the unit normal, as jets, and the mean colour of a plane over a pixel in which it is seen at `point`."""
+    normal = array_map(jet, plane.normal)
+    if not program.patterned:
+        return normal, plane.even
+    pattern = plane.tile_size, plane.even, plane.odd, plane.line
+    return normal, checkerboard_mean(point, t, not program.orthographic, *pattern)
