@@ -16,7 +16,7 @@ from raytrace.backends.gpu.drawing import Unavailable
 from raytrace.backends.gpu.webgl import chromium
 from tests.engines import need, skip_unless_required
 
-for profile, examples in (("default", 30), ("full", 100)):
+for profile, examples in (("default", 25), ("full", 100)):
     settings.register_profile(
         profile,
         max_examples=examples,

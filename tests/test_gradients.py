@@ -1,6 +1,7 @@
 """Derivatives of the image with respect to every float of the scene."""
 
 from dataclasses import replace
+from itertools import product
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +14,7 @@ import raytrace
 from raytrace.backends.jax import Renderer, Staged
 from raytrace.backends.job import Job
 from raytrace.scene import check_scene
-from raytrace.shader.film import develop
+from raytrace.shader.film import TONE_MAPPERS, TRANSFERS, develop
 from raytrace.shader.glsl import Vec3
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import FilmUniforms
@@ -94,6 +95,7 @@ def test_derivatives_are_finite_at_the_limits_of_size(size):
     assert_finite(gradient_of_any(scene))
 
 
+FILMS = list(product(TONE_MAPPERS, TRANSFERS))
 WHITE = [("aces", "gamma2.2"), ("reinhard", "srgb"), ("hable", "none"), ("none", "gamma2.2")]
 
 
@@ -118,8 +120,7 @@ def test_white_is_white_at_the_limits_of_brightness(tone_mapper, transfer):
         assert_finite(gradient)
 
 
-@pytest.mark.parametrize("tone_mapper", ["aces", "reinhard", "hable", "none"])
-@pytest.mark.parametrize("transfer", ["gamma2.2", "srgb", "none"])
+@pytest.mark.parametrize(("tone_mapper", "transfer"), some(FILMS, *WHITE))
 def test_black_and_nearly_black_have_a_finite_derivative(tone_mapper, transfer):
     """The power's derivative at 0 would be infinite, and is defined as 0; towards 0 it is large."""
     program = program_of(raytrace.Scene(film=raytrace.Film(tone_mapper=tone_mapper, transfer=transfer)), "robust")
