@@ -11,10 +11,10 @@ from raytrace.backends import BACKENDS, renderer
 from raytrace.backends.job import ForeignShader, Job
 from raytrace.errors import InputError, did_you_mean
 from raytrace.glsl.source import read_shader
+from raytrace.language.control import Engine
 from raytrace.scene.check import check_scene, check_structure, is_traced
 from raytrace.scene.data import Scene, concrete
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene, scene_hash, scene_toml
-from raytrace.shader.control import Engine
 from raytrace.shader.light import SHADOW_STARTS
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame

@@ -4,6 +4,9 @@ from typing import Any
 
 import numpy as np
 
+from raytrace.language.glsl import Mat3, Mat4, Vec3, Vec4, cross, normalize
+from raytrace.language.namespace import namespace
+from raytrace.language.tree import tree_map
 from raytrace.scene.data import (
     Camera,
     Checkerboard,
@@ -16,9 +19,6 @@ from raytrace.scene.data import (
 )
 from raytrace.shader import uniforms as shader
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
-from raytrace.shader.glsl import Mat3, Mat4, Vec3, Vec4, cross, normalize
-from raytrace.shader.namespace import namespace
-from raytrace.shader.tree import tree_map
 from raytrace.white_balance import adaptation_matrix
 
 __all__ = ["program_of", "uniforms_of"]

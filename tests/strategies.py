@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 import raytrace
-from raytrace.shader.glsl import Vec3
+from raytrace.language.glsl import Vec3
 
 
 def numbers(low, high):

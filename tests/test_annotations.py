@@ -20,7 +20,7 @@ certificate = raytrace.certify(scene, size, precision="glsl-highp")
 assert raytrace.verify(steps["display"], certificate).inside
 assert raytrace.compare(steps["display"], np.roll(steps["display"], 1, 0)).diagnosis is not None
 raytrace.save_scene(scene, "a.toml")
-from raytrace.shader.glsl import Vec3
+from raytrace.language.glsl import Vec3
 from raytrace.shader.light import shadow_ray
 try:
     shadow_ray("ro", Vec3(1.0, 2.0, 3.0), None, None)

@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 import raytrace
 from raytrace.backends.jax import Renderer, Staged
 from raytrace.backends.job import Job
+from raytrace.language.glsl import Vec3
 from raytrace.scene import check_scene
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS, develop
-from raytrace.shader.glsl import Vec3
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import FilmUniforms
 from raytrace.uniforms import program_of, uniforms_of

@@ -16,6 +16,7 @@ ROOT = Path(raytrace.__file__).parent
 LAYERS = [
     {"errors", "cores", "showing"},
     {"files", "tables", "colour_science"},
+    {"language"},
     {"shader"},
     {"edges"},
     {"exact", "intervals"},

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 
 import raytrace
-from raytrace.shader.glsl import dot
-from raytrace.shader.tree import tree_leaves
+from raytrace.language.glsl import dot
+from raytrace.language.tree import tree_leaves
 from raytrace.uniforms import uniforms_of
 from tests.strategies import cameras, directions
 

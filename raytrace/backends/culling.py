@@ -20,10 +20,10 @@ left out because it is behind has a larger root of more than its radius, whose s
 from math import inf, nan
 from typing import Any, NamedTuple
 
-from raytrace.shader.glsl import Vec3, cross, dot, maximum, normalize, select
-from raytrace.shader.jet import Jet, values
-from raytrace.shader.namespace import constant, namespace
-from raytrace.shader.types import Array
+from raytrace.language.glsl import Vec3, cross, dot, maximum, normalize, select
+from raytrace.language.jet import Jet, values
+from raytrace.language.namespace import constant, namespace
+from raytrace.language.types import Array
 from raytrace.shader.uniforms import Camera, Program, Sphere, Uniforms
 
 __all__ = ["Beam", "Bounds", "Coordinates", "Pencil", "Region", "outside", "primary_rays", "shadow_rays"]

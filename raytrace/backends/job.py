@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from raytrace.glsl.source import ShaderSource
-from raytrace.shader.control import Engine
+from raytrace.language.control import Engine
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import Program
 

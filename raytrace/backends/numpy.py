@@ -15,10 +15,10 @@ from raytrace.backends.culling import Beam, Bounds, Pencil, Region, outside, pri
 from raytrace.backends.job import Job
 from raytrace.cores import cores
 from raytrace.edges import pixels
-from raytrace.shader.control import Engine, running
+from raytrace.language.control import Engine, running
+from raytrace.language.tree import tree_map
 from raytrace.shader.hit import Hit, Nearest
 from raytrace.shader.main import COMPONENTS
-from raytrace.shader.tree import tree_map
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
 __all__ = ["Masked", "Renderer"]

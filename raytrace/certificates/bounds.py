@@ -10,12 +10,12 @@ from raytrace.cores import cores
 from raytrace.intervals import REAL, ErrorModel, Interval, Namespace
 from raytrace.intervals.paths import Paths
 from raytrace.intervals.rounding import outward
+from raytrace.language.control import Engine, count, running
+from raytrace.language.glsl import Vec2
+from raytrace.language.tree import tree_map
 from raytrace.shader.camera import pixel_to_ndc
-from raytrace.shader.control import Engine, count, running
-from raytrace.shader.glsl import Vec2
 from raytrace.shader.main import main
 from raytrace.shader.pixel import Frame, texture_coordinates
-from raytrace.shader.tree import tree_map
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
 __all__ = ["REASONS", "Bounds", "image_bounds"]

@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from raytrace.language.glsl import Vec3
+from raytrace.language.tree import tree_map
 from raytrace.scene.data import Scene
 from raytrace.shader.film import develop
-from raytrace.shader.glsl import Vec3
-from raytrace.shader.tree import tree_map
 from raytrace.shader.uniforms import FilmUniforms, Program
 from raytrace.uniforms import program_of, uniforms_of
 

@@ -7,11 +7,11 @@ import numpy as np
 from raytrace.backends.numpy import TILE, Masked
 from raytrace.comparison.views import View
 from raytrace.edges import pixels
+from raytrace.language.control import running
+from raytrace.language.tree import tree_map
 from raytrace.rendering import Rendering
 from raytrace.scene import Scene
-from raytrace.shader.control import running
 from raytrace.shader.pixel import Frame
-from raytrace.shader.tree import tree_map
 from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["Reference"]

@@ -6,9 +6,9 @@ An edge is where a clearance changes its sign, a jet: so it is known where the e
 from math import pi
 from typing import NamedTuple
 
-from raytrace.shader.glsl import Vec3, clamp, cross, dot, maximum, minimum, mix, select, smallest_divisor, sqrt
-from raytrace.shader.jet import Jet
-from raytrace.shader.types import Bool, Float
+from raytrace.language.glsl import Vec3, clamp, cross, dot, maximum, minimum, mix, select, smallest_divisor, sqrt
+from raytrace.language.jet import Jet
+from raytrace.language.types import Bool, Float
 
 __all__ = ["disc_coverage", "half_plane_coverage", "interval_coverage", "positive_mean"]
 

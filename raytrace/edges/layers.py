@@ -10,18 +10,18 @@ from typing import Any, NamedTuple
 from raytrace.edges.coverage import half_plane_coverage
 from raytrace.edges.occlusion import inserted, none_yet, sphere_share
 from raytrace.edges.shading import PIXEL, plane_surface
+from raytrace.language.control import at, branch, count, each, rarely, step
+from raytrace.language.glsl import Vec2, Vec3, clamp, dot, maximum, minimum, select, smallest_divisor
+from raytrace.language.jet import Jet, jet, value, values
+from raytrace.language.namespace import constant, namespace
+from raytrace.language.tree import array_map, tree_map
+from raytrace.language.types import Float, Int
 from raytrace.shader.camera import orthographic_ray, primary_ray
-from raytrace.shader.control import at, branch, count, each, rarely, step
-from raytrace.shader.glsl import Vec2, Vec3, clamp, dot, maximum, minimum, select, smallest_divisor
 from raytrace.shader.hit import Hit, Nearest
-from raytrace.shader.jet import Jet, jet, value, values
 from raytrace.shader.main import shade
-from raytrace.shader.namespace import constant, namespace
 from raytrace.shader.sampling import sample_grid
 from raytrace.shader.sky import background_color
 from raytrace.shader.sphere import sphere_reach
-from raytrace.shader.tree import array_map, tree_map
-from raytrace.shader.types import Float, Int
 from raytrace.shader.uniforms import Plane, Program, Uniforms
 
 __all__ = ["mean_color"]

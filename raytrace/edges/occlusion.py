@@ -1,13 +1,13 @@
 """How much of a pixel's rays a sphere stops, and how much of a pixel the sun reaches: visibility between 0 and 1."""
 
 from raytrace.edges.coverage import disc_coverage, half_plane_coverage
-from raytrace.shader.control import at, branch, count, each
-from raytrace.shader.glsl import Vec3, dot, select
+from raytrace.language.control import at, branch, count, each
+from raytrace.language.glsl import Vec3, dot, select
+from raytrace.language.jet import values
+from raytrace.language.namespace import constant
+from raytrace.language.types import Bool, Float, Int
 from raytrace.shader.hit import Darkest, Nearest
-from raytrace.shader.jet import values
-from raytrace.shader.namespace import constant
 from raytrace.shader.sphere import closest_approach
-from raytrace.shader.types import Bool, Float, Int
 from raytrace.shader.uniforms import Plane, Sphere
 
 __all__ = ["inserted", "lit_share", "lit_share_of_planes", "none_yet", "sphere_share"]

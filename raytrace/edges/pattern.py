@@ -3,11 +3,11 @@
 from functools import partial
 
 from raytrace.edges.coverage import half_plane_coverage, interval_coverage
-from raytrace.shader.control import each, rarely, step
-from raytrace.shader.glsl import Vec2, Vec3, clamp, floor, isfinite, maximum, minimum, mod, select
-from raytrace.shader.jet import Jet
-from raytrace.shader.namespace import constant, namespace
-from raytrace.shader.types import Float
+from raytrace.language.control import each, rarely, step
+from raytrace.language.glsl import Vec2, Vec3, clamp, floor, isfinite, maximum, minimum, mod, select
+from raytrace.language.jet import Jet
+from raytrace.language.namespace import constant, namespace
+from raytrace.language.types import Float
 
 __all__ = ["checkerboard_mean"]
 

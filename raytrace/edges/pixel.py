@@ -1,13 +1,13 @@
 """Pixels at points, or as means over their squares: which of them, a program says."""
 
 from raytrace.edges.layers import mean_color
+from raytrace.language.glsl import Vec2
+from raytrace.language.jet import Jet
+from raytrace.language.namespace import constant
+from raytrace.language.types import Float
 from raytrace.shader import pixel
-from raytrace.shader.glsl import Vec2
-from raytrace.shader.jet import Jet
 from raytrace.shader.main import Steps
-from raytrace.shader.namespace import constant
 from raytrace.shader.pixel import Frame, mean_of_samples, sample_ndc
-from raytrace.shader.types import Float
 from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = ["pixels"]

@@ -3,12 +3,12 @@
 from raytrace.edges.coverage import positive_mean
 from raytrace.edges.occlusion import lit_share, lit_share_of_planes
 from raytrace.edges.pattern import checkerboard_mean
-from raytrace.shader.control import step
-from raytrace.shader.glsl import Vec3
-from raytrace.shader.jet import Jet, jet, values
+from raytrace.language.control import step
+from raytrace.language.glsl import Vec3
+from raytrace.language.jet import Jet, jet, values
+from raytrace.language.tree import array_map
+from raytrace.language.types import Float, Int
 from raytrace.shader.light import Footprint, place_of_plane
-from raytrace.shader.tree import array_map
-from raytrace.shader.types import Float, Int
 from raytrace.shader.uniforms import Plane, Program, Uniforms
 
 __all__ = ["PIXEL", "plane_surface"]

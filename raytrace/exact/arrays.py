@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from raytrace.shader.namespace import Unlimited
+from raytrace.language.namespace import Unlimited
 
 __all__ = ["BITS", "Exact", "Undecided", "precision"]
 

@@ -6,11 +6,11 @@ from typing import Literal
 import numpy as np
 
 from raytrace.errors import InputError
+from raytrace.language.control import count
+from raytrace.language.glsl import Vec3
+from raytrace.language.tree import tree_leaves
 from raytrace.scene.data import Checkerboard
-from raytrace.shader.control import count
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
-from raytrace.shader.glsl import Vec3
-from raytrace.shader.tree import tree_leaves
 from raytrace.shader.uniforms import Plane, Program, Uniforms
 
 __all__ = ["Choices", "choices_of"]

@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.shader.control import count
-from raytrace.shader.tree import tree_leaves
+from raytrace.language.control import count
+from raytrace.language.tree import tree_leaves
 from raytrace.shader.uniforms import Plane, Uniforms
 
 __all__ = ["PLANE_FIELDS", "flat_values", "values_of"]

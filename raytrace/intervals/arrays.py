@@ -14,7 +14,7 @@ import numpy as np
 
 from raytrace.intervals.errors import ErrorModel
 from raytrace.intervals.rounding import exact_product, exact_sum, outward, outward_sum, widened
-from raytrace.shader.running import engine
+from raytrace.language.engine import engine
 
 __all__ = ["BOOL", "INT", "Condition", "Interval", "bounded", "is_power_of_two"]
 
@@ -140,7 +140,7 @@ class Interval:
 
     def _by_zero(self, other: "Interval", low: Any, high: Any) -> tuple[Any, Any]:
         """A quotient by 0 itself is infinite, with a sign that is not known: an engine that decides tries both."""
-        decide = getattr(engine(), "decide", None)
+        decide = engine().decide
         if decide is None:
             return low, high
         zero = (other.low == 0) & (other.high == 0) & ((self.low > 0) | (self.high < 0))

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from raytrace.intervals.arrays import Condition, Interval
-from raytrace.shader.control import Engine, count, running
-from raytrace.shader.tree import tree_leaves, tree_map
+from raytrace.language.control import Engine, count, running
+from raytrace.language.tree import tree_leaves, tree_map
 from raytrace.shader.uniforms import Sphere
 
 __all__ = ["candidates"]
@@ -25,7 +25,7 @@ RAYS, TESTS = 16, 1 << 18
 def candidates(body: Callable, start: Any, spheres: Sphere, rays: tuple) -> np.ndarray:
     """Return the numbers of those spheres that may change `start`, the state of a search that has found nothing.
 
-    body: as of `raytrace.shader.control.each`. A search passes over a sphere that it would not take if that were the
+    body: as of `raytrace.language.control.each`. A search passes over a sphere that it would not take if that were the
     first one. rays: the arguments of `body`, origins and directions: intervals of shape (n,) or ().
     """
     n, m = max(leaf.low.size for leaf in tree_leaves(rays)), count(spheres)

@@ -9,8 +9,8 @@ from raytrace.intervals import built_ins
 from raytrace.intervals.arrays import BOOL, INT, Condition, Interval, bounded
 from raytrace.intervals.errors import LIBM, ULP32, ULP64, ErrorModel
 from raytrace.intervals.rounding import outward, widened
-from raytrace.shader.namespace import Unlimited
-from raytrace.shader.running import engine
+from raytrace.language.engine import engine
+from raytrace.language.namespace import Unlimited
 
 __all__ = ["Namespace"]
 
@@ -60,7 +60,7 @@ class Namespace:
     def where(self, condition: Condition, a: Any, b: Any) -> Any:
         """`a` or `b`; where that is undecided both, unless an engine takes one decision after the other."""
         may_hold, may_fail = condition.may_hold, condition.may_fail
-        decide = getattr(engine(), "decide", None)
+        decide = engine().decide
         if decide is not None:
             may_hold = decide(condition)
             may_fail = ~may_hold

@@ -26,8 +26,8 @@ import numpy as np
 
 from raytrace.intervals.arrays import Condition, Interval
 from raytrace.intervals.culling import candidates
-from raytrace.shader.control import Engine, count
-from raytrace.shader.tree import tree_map
+from raytrace.language.control import Engine, count
+from raytrace.language.tree import tree_map
 from raytrace.shader.uniforms import Sphere
 
 __all__ = ["Paths"]

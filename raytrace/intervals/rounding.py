@@ -8,7 +8,7 @@ are exact.
 import numpy as np
 
 from raytrace.intervals.errors import ULP32, ULP64, ErrorModel
-from raytrace.shader.types import Array
+from raytrace.language.types import Array
 
 __all__ = ["exact_product", "exact_sum", "outward", "outward_sum", "widened"]
 

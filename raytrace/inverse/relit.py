@@ -157,9 +157,9 @@ def _met(program: Program, samples: int) -> Callable:
     import jax.numpy as jnp
 
     from raytrace.backends.jax.engines import OwnFunctions
+    from raytrace.language.control import running
+    from raytrace.language.glsl import Vec2
     from raytrace.shader.camera import pixel_to_ndc
-    from raytrace.shader.control import running
-    from raytrace.shader.glsl import Vec2
     from raytrace.shader.main import main
     from raytrace.shader.pixel import Frame, texture_coordinates
     from raytrace.shader.sampling import sample_grid
@@ -186,9 +186,9 @@ def _developed(program: Program, uniforms: Any, chunk: Chunk, direction: Any, st
     from jax import lax
 
     from raytrace.backends.jax.engines import OwnFunctions
-    from raytrace.shader.control import running
+    from raytrace.language.control import running
+    from raytrace.language.glsl import Vec3
     from raytrace.shader.film import develop
-    from raytrace.shader.glsl import Vec3
     from raytrace.shader.light import light_at_point
     from raytrace.shader.sky import background_color
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.shader.namespace import namespace
+from raytrace.language.namespace import namespace
 
 __all__ = ["sun_angles", "sun_direction"]
 

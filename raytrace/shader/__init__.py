@@ -1,7 +1,7 @@
 """The assignment's shader, one file a step.
 
 The functions take planes (arrays of one number a pixel, of any array library with ``__array_namespace__``) and
-scalars, and give planes. See `raytrace.shader.glsl` for the vocabulary and `raytrace.shader.control` for how an
+scalars, and give planes. See `raytrace.language.glsl` for the vocabulary and `raytrace.language.control` for how an
 engine runs it.
 """
 

@@ -1,8 +1,8 @@
 """Screen space to world space: the primary ray of a pixel (assignment, 'Ray Origin and Ray Direction')."""
 
-from raytrace.shader.control import step
-from raytrace.shader.glsl import Vec2, Vec3, Vec4, normalize
-from raytrace.shader.types import Float
+from raytrace.language.control import step
+from raytrace.language.glsl import Vec2, Vec3, Vec4, normalize
+from raytrace.language.types import Float
 from raytrace.shader.uniforms import Camera
 
 __all__ = ["orthographic_ray", "pixel_to_ndc", "primary_ray"]

@@ -1,8 +1,8 @@
 """The ground's pattern (assignment, 'Procedural Pattern')."""
 
-from raytrace.shader.control import step
-from raytrace.shader.glsl import Vec3, floor, isfinite, mix, mod, select
-from raytrace.shader.types import Float
+from raytrace.language.control import step
+from raytrace.language.glsl import Vec3, floor, isfinite, mix, mod, select
+from raytrace.language.types import Float
 
 __all__ = ["checkerboard"]
 

@@ -1,8 +1,8 @@
 """From linear light to display values (assignment, 'Skybox': tone mapping and colour space conversion)."""
 
-from raytrace.shader.control import step
-from raytrace.shader.glsl import Vec3, clamp, maximum, minimum, pow, select
-from raytrace.shader.literal import literal
+from raytrace.language.control import step
+from raytrace.language.glsl import Vec3, clamp, maximum, minimum, pow, select
+from raytrace.language.literal import literal
 from raytrace.shader.uniforms import FilmUniforms, Program
 
 __all__ = ["TONE_MAPPERS", "TRANSFERS", "develop", "tonemap_and_gamma_correct"]

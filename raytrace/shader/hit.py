@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from raytrace.shader.types import Float, Int
+from raytrace.language.types import Float, Int
 
 __all__ = ["Darkest", "Hit", "Nearest"]
 

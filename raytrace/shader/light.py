@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from raytrace.shader.control import branch, count, step
-from raytrace.shader.glsl import Vec3, clamp, dot, maximum, normalize, select
-from raytrace.shader.literal import literal
-from raytrace.shader.namespace import constant
+from raytrace.language.control import branch, count, step
+from raytrace.language.glsl import Vec3, clamp, dot, maximum, normalize, select
+from raytrace.language.literal import literal
+from raytrace.language.namespace import constant
+from raytrace.language.types import Float, Int
 from raytrace.shader.plane import any_plane_intersect
 from raytrace.shader.sphere import any_sphere_intersect
-from raytrace.shader.types import Float, Int
 from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = [

@@ -4,18 +4,18 @@ from collections.abc import Callable
 from math import inf
 from typing import Any, NamedTuple
 
+from raytrace.language.control import at, branch, count
+from raytrace.language.glsl import Vec2, Vec3, normalize, select
+from raytrace.language.namespace import constant
+from raytrace.language.types import Float
 from raytrace.shader.camera import orthographic_ray, primary_ray
 from raytrace.shader.checkerboard import checkerboard
-from raytrace.shader.control import at, branch, count
 from raytrace.shader.film import develop
-from raytrace.shader.glsl import Vec2, Vec3, normalize, select
 from raytrace.shader.hit import Hit
 from raytrace.shader.light import POINT, Footprint, Light, light_at_point
-from raytrace.shader.namespace import constant
 from raytrace.shader.plane import closest_plane_intersect
 from raytrace.shader.sky import background_color
 from raytrace.shader.sphere import closest_sphere_intersect
-from raytrace.shader.types import Float
 from raytrace.shader.uniforms import Plane, Program, Uniforms
 
 __all__ = ["COMPONENTS", "Steps", "main", "shade"]

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
+from raytrace.language.control import each
+from raytrace.language.glsl import Vec2, Vec3
+from raytrace.language.namespace import constant
+from raytrace.language.types import Float
 from raytrace.shader.camera import pixel_to_ndc
-from raytrace.shader.control import each
 from raytrace.shader.film import develop
-from raytrace.shader.glsl import Vec2, Vec3
 from raytrace.shader.main import Steps, main
-from raytrace.shader.namespace import constant
 from raytrace.shader.sampling import sample_grid
-from raytrace.shader.types import Float
 from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = ["Frame", "mean_of_samples", "pixels", "sample_ndc", "texture_coordinates"]

@@ -2,11 +2,11 @@
 
 from math import inf
 
-from raytrace.shader.control import detach, each, step
-from raytrace.shader.glsl import Vec3, dot, select, smallest_normal
+from raytrace.language.control import detach, each, step
+from raytrace.language.glsl import Vec3, dot, select, smallest_normal
+from raytrace.language.namespace import constant
+from raytrace.language.types import Bool, Float, Int
 from raytrace.shader.hit import Hit
-from raytrace.shader.namespace import constant
-from raytrace.shader.types import Bool, Float, Int
 from raytrace.shader.uniforms import Plane
 
 __all__ = ["any_plane_intersect", "closest_plane_intersect", "plane_intersect"]

@@ -1,8 +1,8 @@
 """Where the samples of a square lie."""
 
-from raytrace.shader.glsl import Vec2
-from raytrace.shader.namespace import namespace
-from raytrace.shader.types import Float
+from raytrace.language.glsl import Vec2
+from raytrace.language.namespace import namespace
+from raytrace.language.types import Float
 
 __all__ = ["sample_grid"]
 

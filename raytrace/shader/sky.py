@@ -1,10 +1,10 @@
 """The skybox (assignment, 'Skybox')."""
 
-from raytrace.shader.control import branch, step
-from raytrace.shader.glsl import Vec3, dot, exp2, log2, maximum, mix, normalize, pow, smallest_normal
-from raytrace.shader.literal import literal
-from raytrace.shader.namespace import constant
-from raytrace.shader.types import Float
+from raytrace.language.control import branch, step
+from raytrace.language.glsl import Vec3, dot, exp2, log2, maximum, mix, normalize, pow, smallest_normal
+from raytrace.language.literal import literal
+from raytrace.language.namespace import constant
+from raytrace.language.types import Float
 from raytrace.shader.uniforms import Sky, Sun
 
 __all__ = ["background_color"]

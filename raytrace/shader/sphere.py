@@ -3,11 +3,11 @@
 from math import inf
 from typing import NamedTuple
 
-from raytrace.shader.control import each, step
-from raytrace.shader.glsl import Vec3, clamp, dot, select, smallest_divisor, sqrt
+from raytrace.language.control import each, step
+from raytrace.language.glsl import Vec3, clamp, dot, select, smallest_divisor, sqrt
+from raytrace.language.namespace import constant
+from raytrace.language.types import Bool, Float, Int
 from raytrace.shader.hit import Hit
-from raytrace.shader.namespace import constant
-from raytrace.shader.types import Bool, Float, Int
 from raytrace.shader.uniforms import Sphere
 
 __all__ = [

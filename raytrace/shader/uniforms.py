@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from raytrace.shader.glsl import Mat3, Mat4, Vec3
-from raytrace.shader.types import Array
+from raytrace.language.glsl import Mat3, Mat4, Vec3
+from raytrace.language.types import Array
 
 __all__ = ["Camera", "FilmUniforms", "Plane", "Program", "Sky", "Sphere", "Sun", "Uniforms"]
 

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from raytrace.exact import BITS, Exact, precision
-from raytrace.shader.control import Engine, running
-from raytrace.shader.tree import tree_map
+from raytrace.language.control import Engine, running
+from raytrace.language.tree import tree_map
 
 __all__ = ["Arithmetic", "exactly", "of_floats"]
 

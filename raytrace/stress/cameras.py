@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from raytrace.exact import precision
+from raytrace.language.glsl import Mat4, Vec2, Vec4
+from raytrace.language.tree import tree_map
 from raytrace.scene.data import OrthographicCamera, PerspectiveCamera, Scene
 from raytrace.shader.camera import orthographic_ray, primary_ray
-from raytrace.shader.glsl import Mat4, Vec2, Vec4
-from raytrace.shader.tree import tree_map
 from raytrace.shader.uniforms import Camera
 from raytrace.stress.arithmetics import exactly, of_floats
 from raytrace.stress.effort import Effort

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from raytrace.exact import precision
+from raytrace.language.glsl import Vec3, normalize, pow
+from raytrace.language.literal import literal
 from raytrace.scene.data import Film, Scene, Sun
 from raytrace.shader.film import TONE_MAPPERS, tonemap_and_gamma_correct
-from raytrace.shader.glsl import Vec3, normalize, pow
-from raytrace.shader.literal import literal
 from raytrace.shader.sky import SKY_GRADIENT, SUN_GRADIENT
 from raytrace.stress.arithmetics import exactly, of_floats
 from raytrace.stress.effort import Effort

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from raytrace.exact import precision
+from raytrace.language.glsl import Vec3, dot
+from raytrace.language.tree import tree_map
 from raytrace.shader.checkerboard import checkerboard
-from raytrace.shader.glsl import Vec3, dot
 from raytrace.shader.plane import plane_intersect
-from raytrace.shader.tree import tree_map
 from raytrace.stress.arithmetics import exactly, of_floats
 from raytrace.stress.effort import Effort
 from raytrace.stress.measure import INPUT, Point, summary, ulps

@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from raytrace.exact import Exact, precision
-from raytrace.shader.glsl import Vec3, dot
-from raytrace.shader.tree import tree_map
+from raytrace.language.glsl import Vec3, dot
+from raytrace.language.tree import tree_map
 
 __all__ = ["Answer", "Rays", "answered", "given", "towards"]
 

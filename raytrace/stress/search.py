@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from raytrace.exact import precision
-from raytrace.shader.glsl import Vec3
+from raytrace.language.glsl import Vec3
 from raytrace.stress.measure import ulps
 from raytrace.stress.rays import Rays, answered, given
 

@@ -8,12 +8,12 @@ import numpy as np
 
 from raytrace.backends.exact import exact_steps
 from raytrace.exact import Exact
+from raytrace.language.control import Engine, count
+from raytrace.language.tree import tree_leaves, tree_map
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 from raytrace.scene.toml import load_scene
-from raytrace.shader.control import Engine, count
 from raytrace.shader.light import SHADOW_STARTS
-from raytrace.shader.tree import tree_leaves, tree_map
 from raytrace.stress.effort import Effort
 from raytrace.stress.measure import Point
 

@@ -74,8 +74,8 @@ def test_the_engines_agree(engine):
 
 def test_eager_arrays_run_the_shader():
     """Without any backend: the shader's functions on concrete JAX arrays."""
+    from raytrace.language.glsl import Vec3
     from raytrace.shader import sphere_intersect
-    from raytrace.shader.glsl import Vec3
     from raytrace.shader.uniforms import Sphere
 
     zero, one = jnp.zeros(3), jnp.ones(3)

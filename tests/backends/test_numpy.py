@@ -7,9 +7,9 @@ from hypothesis import given, settings
 import raytrace
 from raytrace.backends.job import Job
 from raytrace.backends.numpy import Renderer
+from raytrace.language.control import Engine
 from raytrace.rendering import Rendering
 from raytrace.scene.toml import figures
-from raytrace.shader.control import Engine
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.stress.shadows import scaled

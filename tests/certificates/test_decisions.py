@@ -7,10 +7,10 @@ import raytrace
 from raytrace.certificates import certify, verify
 from raytrace.certificates.bounds import MOST_COURSES, TOO_MANY, _Program, image_bounds
 from raytrace.intervals import GLSL_HIGHP, Namespace
+from raytrace.language.control import Engine
+from raytrace.language.tree import tree_map
 from raytrace.scene.check import check_scene
-from raytrace.shader.control import Engine
 from raytrace.shader.pixel import Frame
-from raytrace.shader.tree import tree_map
 from raytrace.uniforms import program_of, uniforms_of
 from tests.certificates.provoking import SIZE, provoking_scene
 from tests.scenes import some

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from raytrace.edges.coverage import disc_coverage, half_plane_coverage, interval_coverage, positive_mean
-from raytrace.shader.glsl import Vec3
-from raytrace.shader.jet import Jet
+from raytrace.language.glsl import Vec3
+from raytrace.language.jet import Jet
 
 POINTS = 200
 X, Y = np.meshgrid(*[(np.arange(POINTS) + 0.5) / POINTS - 0.5] * 2)

@@ -7,7 +7,7 @@ and what is fused are drawn, too. It shares no code with the bounds that it is t
 
 import numpy as np
 
-from raytrace.shader.namespace import Unlimited
+from raytrace.language.namespace import Unlimited
 
 __all__ = ["Machine"]
 

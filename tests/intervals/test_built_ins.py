@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from raytrace.intervals import BUILT_INS, GLSL_HIGHP, REAL, Namespace
-from raytrace.shader.glsl import Mat3, Mat4, Vec3, Vec4, clamp, dot, exp2, log2, mix, mod, normalize, pow, sqrt
-from raytrace.shader.literal import literal
+from raytrace.language.glsl import Mat3, Mat4, Vec3, Vec4, clamp, dot, exp2, log2, mix, mod, normalize, pow, sqrt
+from raytrace.language.literal import literal
 from tests.intervals.machine import Machine
 
 N = 30_000

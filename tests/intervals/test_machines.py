@@ -5,11 +5,11 @@ import pytest
 
 from raytrace.certificates import certify
 from raytrace.conformance import STRUCTURES, random_scene
+from raytrace.language.tree import tree_map
 from raytrace.scene import load_scene
 from raytrace.shader.camera import pixel_to_ndc
 from raytrace.shader.main import main
 from raytrace.shader.sphere import INTERSECTIONS
-from raytrace.shader.tree import tree_map
 from raytrace.uniforms import program_of, uniforms_of
 from tests.certificates.provoking import provoking_scene
 from tests.intervals.machine import Machine, Number

@@ -10,7 +10,7 @@ from flint import arb
 from raytrace.exact import Exact, precision
 from raytrace.intervals import GLSL_HIGHP, REAL, Interval, Namespace
 from raytrace.intervals.errors import LIBM
-from raytrace.shader.literal import literal
+from raytrace.language.literal import literal
 
 N = 100_000
 MODELS = pytest.mark.parametrize("model", [REAL, GLSL_HIGHP], ids=lambda model: model.name)

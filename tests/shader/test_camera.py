@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 
 import raytrace
+from raytrace.language.glsl import Vec2, dot
 from raytrace.shader.camera import orthographic_ray, pixel_to_ndc, primary_ray
-from raytrace.shader.glsl import Vec2, dot
 from raytrace.uniforms import uniforms_of
 from tests.strategies import cameras, numbers
 

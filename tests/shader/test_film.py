@@ -5,9 +5,9 @@ from hypothesis import strategies as st
 
 import raytrace
 from raytrace.intervals import GLSL_HIGHP, REAL, Namespace
+from raytrace.language.glsl import Vec3
+from raytrace.language.tree import tree_map
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS, develop
-from raytrace.shader.glsl import Vec3
-from raytrace.shader.tree import tree_map
 from raytrace.uniforms import program_of, uniforms_of
 from tests.strategies import numbers, vec3
 

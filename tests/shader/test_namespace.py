@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import raytrace
+from raytrace.language.literal import literal
+from raytrace.language.namespace import lift, namespace
+from raytrace.language.tree import tree_map
 from raytrace.shader.film import aces, gamma22
-from raytrace.shader.literal import literal
 from raytrace.shader.main import COMPONENTS
-from raytrace.shader.namespace import lift, namespace
 from raytrace.shader.pixel import Frame, pixels
-from raytrace.shader.tree import tree_map
 from raytrace.uniforms import program_of, uniforms_of
 from tests.scenes import SEVERAL_SCENES
 
@@ -181,7 +181,7 @@ def test_the_count_is_that_of_the_formulas():
     """One pixel of the assignment's film: for each channel 2 + 1 products of ACES and one of the power, y * log2 x."""
     count = Counter()
     x = lift(np.float64(0.5), np.float64(0))
-    gamma22(aces(tree_map(lambda v: Counted(v, count), raytrace.shader.glsl.Vec3(x, x, x))))
+    gamma22(aces(tree_map(lambda v: Counted(v, count), raytrace.language.glsl.Vec3(x, x, x))))
     # x*(a*x+b) and x*(c*x+d): four products each way, and (y * log2(x)).
     assert count["mul"] + count["rmul"] == 3 * (4 + 1)
     assert count["log2"] == count["exp2"] == 3

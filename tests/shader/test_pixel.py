@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.shader.glsl import Vec2
+from raytrace.language.glsl import Vec2
 from raytrace.shader.pixel import Frame, texture_coordinates
 from raytrace.shader.sampling import sample_grid
 from tests.scenes import some

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 
-from raytrace.shader.glsl import dot
+from raytrace.language.glsl import dot
 from raytrace.shader.plane import any_plane_intersect, closest_plane_intersect, plane_intersect
 from raytrace.shader.uniforms import Plane
 from tests.strategies import directions, positions, unit, vec3

@@ -5,9 +5,9 @@ import pytest
 
 pytest.importorskip("flint")
 
+from raytrace.language.glsl import Vec2
+from raytrace.language.tree import tree_leaves, tree_map
 from raytrace.shader.camera import primary_ray
-from raytrace.shader.glsl import Vec2
-from raytrace.shader.tree import tree_leaves, tree_map
 from raytrace.stress import QUICK, stress, verdicts
 from raytrace.stress.cameras import CameraStress, _direction_condition, _perspective
 

@@ -5,7 +5,7 @@ import pytest
 
 pytest.importorskip("flint")
 
-from raytrace.shader.glsl import pow
+from raytrace.language.glsl import pow
 from raytrace.shader.sky import SUN_GRADIENT
 from raytrace.stress import QUICK, stress, verdicts
 from raytrace.stress.arithmetics import of_floats

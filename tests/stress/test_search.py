@@ -5,7 +5,7 @@ import pytest
 
 pytest.importorskip("flint")
 
-from raytrace.shader.glsl import Vec3, dot, select, sqrt
+from raytrace.language.glsl import Vec3, dot, select, sqrt
 from raytrace.shader.sphere import closest_approach, robust_roots, sphere_intersect
 from raytrace.shader.uniforms import Sphere
 from raytrace.stress import QUICK, stress, verdicts

@@ -12,7 +12,7 @@ from raytrace.backends.jax.staged import SEARCHED, Culling, Staged, culling
 from raytrace.backends.jax.tiles import Tiles
 from raytrace.backends.job import Job
 from raytrace.edges import pixels
-from raytrace.shader.control import running
+from raytrace.language.control import running
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.uniforms import Uniforms
 

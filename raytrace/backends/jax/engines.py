@@ -13,8 +13,8 @@ import jax.numpy as jnp
 from jax import lax
 
 from raytrace.backends.jax import elementary
-from raytrace.shader.control import Engine, count
-from raytrace.shader.glsl import select
+from raytrace.language.control import Engine, count
+from raytrace.language.glsl import select
 from raytrace.shader.hit import Hit
 
 __all__ = ["OneProgram", "OwnFunctions", "shaped"]

@@ -21,7 +21,7 @@ from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, culli
 from raytrace.backends.jax.stored import choices_as_text, stored
 from raytrace.backends.job import Job
 from raytrace.errors import InputError
-from raytrace.shader.control import count
+from raytrace.language.control import count
 from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = ["Renderer"]

@@ -20,8 +20,8 @@ from raytrace.backends.culling import Beam, Bounds, Pencil, Region, outside, pri
 from raytrace.backends.jax.engines import OneProgram, OwnFunctions, shaped
 from raytrace.backends.jax.grid import Grid, candidates, grid
 from raytrace.backends.jax.traced import traced
-from raytrace.shader.control import count
-from raytrace.shader.glsl import select
+from raytrace.language.control import count
+from raytrace.language.glsl import select
 from raytrace.shader.hit import Hit, Nearest
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
 

@@ -1,13 +1,13 @@
 """The operands' array namespace: what makes the shader independent of any array library.
 
 An array type that is to carry the shader needs ``__array_namespace__`` and the functions of the Python array API
-standard (2023.12) that `raytrace.shader.glsl` names, and operators that leave types they do not know to the other
+standard (2023.12) that `raytrace.language.glsl` names, and operators that leave types they do not know to the other
 operand (``NotImplemented``), as Python's data model asks. Nothing asks an array for its truth.
 """
 
 from typing import Any
 
-from raytrace.shader.types import Array
+from raytrace.language.types import Array
 
 __all__ = ["Unlimited", "constant", "lift", "namespace"]
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
-from raytrace.shader.namespace import namespace
+from raytrace.language.namespace import namespace
 
 __all__ = ["Literal", "literal"]
 

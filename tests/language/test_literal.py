@@ -3,8 +3,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from raytrace.shader.glsl import Vec3
-from raytrace.shader.literal import literal
+from raytrace.language.glsl import Vec3
+from raytrace.language.literal import literal
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64, np.longdouble])

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, NamedTuple
 
-from raytrace.shader.namespace import lift, namespace
-from raytrace.shader.types import Array, Bool
+from raytrace.language.namespace import lift, namespace
+from raytrace.language.types import Array, Bool
 
 __all__ = ["Jet", "jet", "value", "values"]
 

@@ -19,51 +19,11 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any
 
-from raytrace.shader.glsl import maximum, minimum, select
-from raytrace.shader.namespace import namespace
-from raytrace.shader.running import engine, running
-from raytrace.shader.tree import tree_leaves, tree_map
-from raytrace.shader.types import Array
+from raytrace.language.engine import Engine, engine, running
+from raytrace.language.tree import count
+from raytrace.language.types import Array
 
 __all__ = ["Engine", "at", "branch", "count", "detach", "each", "rarely", "running", "step"]
-
-
-class Engine:
-    """The plain engine: everything is computed everywhere. Others override what they can do better.
-
-    One may also have functions `exp2` and `log2` of its own, for its arrays (`raytrace.shader.glsl`).
-    """
-
-    def step(self, function: Callable, args: tuple) -> Any:
-        return function(*args)
-
-    def branch(self, condition: Array, then: Callable, other: Callable, args: tuple) -> Any:
-        return select(condition, then(*args), other(*args))
-
-    def rarely(self, condition: Array, then: Callable, other: Callable, args: tuple) -> Any:
-        return self.branch(condition, then, other, args)
-
-    def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
-        state = start
-        for i in range(count(items)):
-            state = body(state, i, tree_map(lambda leaf, i=i: leaf[i], items), *args)
-        return state
-
-    def at(self, items: Any, index: Array) -> Any:
-        # The standard's `take` has one-dimensional indices, all of which exist.
-        xp = namespace(index)
-        flat = xp.reshape(minimum(maximum(index, 0), count(items) - 1), (-1,))
-        return tree_map(lambda leaf: xp.reshape(xp.take(leaf, flat, axis=0), index.shape), items)
-
-    def detach(self, x: Array) -> Array:
-        return x
-
-
-_PLAIN = Engine()
-
-
-def _running() -> Engine:
-    return engine() or _PLAIN
 
 
 def step(function: Callable) -> Callable:
@@ -71,7 +31,7 @@ def step(function: Callable) -> Callable:
 
     @wraps(function)
     def call(*args):
-        return _running().step(function, args)
+        return engine().step(function, args)
 
     return call
 
@@ -82,12 +42,12 @@ def branch(condition: Array, then: Callable, other: Callable, *args: Any) -> Any
     `args` are planes of the condition's shape, scalars of shape (), or structures of them. Both sides return
     the same structure. A side may see only the pixels concerned, or not be called at all.
     """
-    return _running().branch(condition, then, other, args)
+    return engine().branch(condition, then, other, args)
 
 
 def rarely(condition: Array, then: Callable, other: Callable, *args: Any) -> Any:
     """`branch`, where few pixels take the first side, which is large, and the other is a trifle."""
-    return _running().rarely(condition, then, other, args)
+    return engine().rarely(condition, then, other, args)
 
 
 def each(items: Any, body: Callable, start: Any, *args: Any, unroll: bool = True) -> Any:
@@ -97,20 +57,14 @@ def each(items: Any, body: Callable, start: Any, *args: Any, unroll: bool = True
     runs the body of that one item again instead. With `unroll` an engine that compiles may write the body out for
     each item; without, the body is too large for that.
     """
-    return _running().each(items, body, start, args, unroll)
+    return engine().each(items, body, start, args, unroll)
 
 
 def at(items: Any, index: Array) -> Any:
     """``items[index]`` for every pixel; any item where there is none of that index."""
-    return _running().at(items, index)
+    return engine().at(items, index)
 
 
 def detach(x: Array) -> Array:
     """`x` as a constant: equal in value, without derivative."""
-    return _running().detach(x)
-
-
-def count(items: Any) -> int:
-    """How many items a structure of arrays of shape (n,) holds; 0 for ``None``."""
-    leaves = tree_leaves(items)
-    return leaves[0].shape[0] if leaves else 0
+    return engine().detach(x)

@@ -6,7 +6,7 @@
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["array_map", "tree_leaves", "tree_map"]
+__all__ = ["array_map", "count", "tree_leaves", "tree_map"]
 
 
 def tree_map(function: Callable, tree: Any, *others: Any) -> Any:
@@ -33,3 +33,9 @@ def tree_leaves(tree: Any) -> list:
     leaves: list = []
     tree_map(leaves.append, tree)
     return leaves
+
+
+def count(items: Any) -> int:
+    """How many items a structure of arrays of shape (n,) holds; 0 for ``None``."""
+    leaves = tree_leaves(items)
+    return leaves[0].shape[0] if leaves else 0

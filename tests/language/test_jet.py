@@ -8,9 +8,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from raytrace.shader.glsl import Vec3, cross, dot, maximum, minimum, normalize, select, sqrt
-from raytrace.shader.jet import Jet, jet, values
-from raytrace.shader.literal import literal
+from raytrace.language.glsl import Vec3, cross, dot, maximum, minimum, normalize, select, sqrt
+from raytrace.language.jet import Jet, jet, values
+from raytrace.language.literal import literal
 
 numbers = st.floats(-4, 4).filter(lambda x: abs(x) > 0.1)
 FUNCTIONS = {

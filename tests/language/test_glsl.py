@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from raytrace.language.glsl import Mat3, Mat4, Vec2, Vec3, Vec4
+from raytrace.language.literal import literal
 from raytrace.shader import glsl
-from raytrace.shader.glsl import Mat3, Mat4, Vec2, Vec3, Vec4
-from raytrace.shader.literal import literal
 from tests.strategies import numbers, positions, vec3
 
 

@@ -1,0 +1,71 @@
+"""Which engine is running the shader: it gives the control words and some functions their meaning."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any
+
+from raytrace.language.namespace import lift, namespace
+from raytrace.language.selection import maximum, minimum, select
+from raytrace.language.tree import count, tree_map
+from raytrace.language.types import Array
+
+__all__ = ["Engine", "engine", "running"]
+
+
+class Engine:
+    """The plain engine: everything is computed everywhere. Others override what they can do better."""
+
+    #: What holds of a condition on intervals that is undecided; ``None``: it stays undecided.
+    decide: Callable | None = None
+
+    def step(self, function: Callable, args: tuple) -> Any:
+        return function(*args)
+
+    def branch(self, condition: Array, then: Callable, other: Callable, args: tuple) -> Any:
+        return select(condition, then(*args), other(*args))
+
+    def rarely(self, condition: Array, then: Callable, other: Callable, args: tuple) -> Any:
+        return self.branch(condition, then, other, args)
+
+    def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
+        state = start
+        for i in range(count(items)):
+            state = body(state, i, tree_map(lambda leaf, i=i: leaf[i], items), *args)
+        return state
+
+    def at(self, items: Any, index: Array) -> Any:
+        # The standard's `take` has one-dimensional indices, all of which exist.
+        xp = namespace(index)
+        flat = xp.reshape(minimum(maximum(index, 0), count(items) - 1), (-1,))
+        return tree_map(lambda leaf: xp.reshape(xp.take(leaf, flat, axis=0), index.shape), items)
+
+    def detach(self, x: Array) -> Array:
+        return x
+
+    def exp2(self, x: Array) -> Array:
+        xp = namespace(x)
+        # The array API standard has no exp2; NumPy and JAX do.
+        return xp.exp2(x) if hasattr(xp, "exp2") else xp.pow(lift(2, x), x)
+
+    def log2(self, x: Array) -> Array:
+        return namespace(x).log2(x)
+
+
+_PLAIN = Engine()
+_engine: ContextVar[Engine] = ContextVar("raytrace_engine", default=_PLAIN)
+
+
+@contextmanager
+def running(engine: Engine) -> Iterator[None]:
+    """Within this context `engine` runs the shader."""
+    token = _engine.set(engine)
+    try:
+        yield
+    finally:
+        _engine.reset(token)
+
+
+def engine() -> Engine:
+    """The engine that is running: the plain one, where none was chosen."""
+    return _engine.get()
