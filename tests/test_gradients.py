@@ -196,7 +196,7 @@ def test_loops_that_stay_loops_have_the_same_derivatives(lighting):
         job = Job(program, Frame(*SIZE), ("display",), "float32", engine=engine)
         return Renderer(uniforms, job).draw(0, SIZE[1])["display"].mean()
 
-    uniforms = jax.tree.map(jnp.float32, uniforms_of(scene, SIZE[0] / SIZE[1]))
+    uniforms = jax.tree.map(np.float32, uniforms_of(scene, SIZE[0] / SIZE[1]))
     written_out, looped = (jax.grad(brightness)(uniforms, Staged(few=few)) for few in (16, 2))
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-3, atol=1e-6), written_out, looped)
 

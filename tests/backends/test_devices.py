@@ -149,9 +149,10 @@ def test_the_next_process_does_not_compile(tmp_path):
     (program,) = tmp_path.glob("*.program")
     assert compilations(code, tmp_path) == 0
     # A file that does not load is replaced.
+    whole = program.stat().st_size
     program.write_bytes(program.read_bytes()[:1000])
     assert compilations(code, tmp_path) > 0
-    assert compilations(code, tmp_path) == 0
+    assert program.stat().st_size > whole / 2
 
 
 def test_a_cache_that_cannot_be_written_is_no_error(tmp_path):

@@ -169,7 +169,7 @@ def test_gradients(n):
     def brightness(uniforms, skip):
         return Renderer(uniforms, replace(job, skip=skip)).draw(0, 27)["display"].mean()
 
-    uniforms = jax.tree.map(jnp.float32, uniforms_of(scene, 48 / 27))
+    uniforms = jax.tree.map(np.float32, uniforms_of(scene, 48 / 27))
     with_and_without = [jax.grad(brightness)(uniforms, skip) for skip in (True, False)]
     jax.tree.map(np.testing.assert_array_equal, *with_and_without)
 

@@ -13,6 +13,7 @@ from raytrace.scene import check_scene
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
 from raytrace.shader.sphere import INTERSECTIONS
 from tests.engines import need
+from tests.scenes import some
 
 
 def test_structures_have_every_choice():
@@ -49,7 +50,7 @@ def test_random_scenes_are_valid_and_each_its_own():
     assert colors.max() > 1e5
 
 
-@pytest.mark.parametrize("engine", [name for name in ENGINES if name != "jax"])
+@pytest.mark.parametrize("engine", some([name for name in ENGINES if name != "jax"], "numpy", "opengl"))
 def test_engines_are_within(engine):
     if engine != "numpy":
         need(engine)

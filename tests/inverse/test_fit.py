@@ -121,6 +121,7 @@ def test_samples_on_edges_count_for_nothing():
     assert all(off(fit, scene) <= 1.5 * fit.within_95 for fit in fits)
 
 
+@pytest.mark.full
 def test_the_exposure_is_found_as_well():
     scene = under(world("film.exposure=0.7"), -70.0, 35.0)
     fit = fit_sun(noisy(drawn(scene), 2), world(), exposure=True)
