@@ -15,11 +15,11 @@ from raytrace.language.control import Engine
 from raytrace.scene.check import check_scene, check_structure, is_traced
 from raytrace.scene.data import Scene, concrete
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene, scene_hash, scene_toml
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.light import SHADOW_STARTS
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.shader.sphere import INTERSECTIONS
-from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["Rendering", "check_size", "render"]
 

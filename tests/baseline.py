@@ -32,7 +32,7 @@ BAD_INPUT = {
     "tests.golden.test_golden": (),
     "tests.comparison.test_command": ("compare",),
     "tests.certificates.test_verify": (),
-    "tests.stress.test_command": ("stress",),
+    "tests.studies.stress.test_command": ("stress",),
     "tests.backends.test_devices": ("render",),
 }
 

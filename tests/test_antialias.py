@@ -9,8 +9,8 @@ import pytest
 
 import raytrace
 from raytrace.errors import InputError
-from raytrace.inverse.accuracy import derivative, random_world
-from raytrace.inverse.differences import block_sums, difference
+from raytrace.studies.differences import block_sums, difference
+from raytrace.studies.gradients import derivative, random_world
 from tests.scenes import some
 
 SIZE = (64, 36)

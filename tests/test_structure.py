@@ -19,10 +19,8 @@ LAYERS = [
     {"language"},
     {"shader"},
     {"edges"},
-    {"exact", "intervals"},
-    {"white_balance"},
+    {"arithmetic"},
     {"scene"},
-    {"uniforms"},
     {"image"},
     {"glsl"},
     {"backends"},
@@ -31,13 +29,12 @@ LAYERS = [
     {"export", "report"},
     {"comparison"},
     {"certificates"},
-    {"mutants", "conformance"},
+    {"mistakes"},
     {"inverse"},
     {"golden"},
     {"testing"},
     {"notebook"},
-    {"bench"},
-    {"stress"},
+    {"studies"},
     {"cli"},
     {"__init__", "__main__"},
 ]
@@ -151,7 +148,7 @@ def test_the_reader_of_imports_sees_all_kinds(tmp_path):
 
 #: What writes to state that others share: a module's own variables, another object's inside, the environment, JAX's
 #: caches. Where it is meant: Mitsuba reads where LLVM is from the environment.
-SHARED_STATE = {("bench/peers/mitsuba_queries.py", "os.environ[]")}
+SHARED_STATE = {("studies/bench/peers/mitsuba_queries.py", "os.environ[]")}
 
 
 def shared_state(source):

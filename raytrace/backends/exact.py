@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from raytrace.exact.arrays import Exact, precision
+from raytrace.arithmetic.exact import Exact, precision
 from raytrace.language.control import Engine, running
 from raytrace.language.tree import tree_map
 from raytrace.scene import Scene
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.main import Steps
 from raytrace.shader.pixel import Frame, pixels
-from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["exact_steps"]
 

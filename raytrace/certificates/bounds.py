@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from raytrace.arithmetic.intervals import REAL, ErrorModel, Interval, Namespace
+from raytrace.arithmetic.intervals.paths import Paths
+from raytrace.arithmetic.intervals.rounding import outward
 from raytrace.cores import cores
-from raytrace.intervals import REAL, ErrorModel, Interval, Namespace
-from raytrace.intervals.paths import Paths
-from raytrace.intervals.rounding import outward
 from raytrace.language.control import Engine, count, running
 from raytrace.language.glsl import Vec2
 from raytrace.language.tree import tree_map
@@ -66,7 +66,7 @@ def image_bounds(
     shape = (frame.height, frame.width)
     images = {name: tuple(np.empty((*shape, 3)) for _ in range(2)) for name in ("display", "linear")}
     bounds = Bounds(images["display"], images["linear"], np.zeros(shape, np.uint8), np.ones(shape, np.int32))
-    run = _Program(uniforms, program, frame, Namespace(model))
+    run = _Program(uniforms, program, frame, model)
     pixels = np.arange(frame.width * frame.height).reshape(shape)
     tiles = [
         pixels[row : row + ROWS, column : column + COLUMNS].ravel()
@@ -99,23 +99,24 @@ class _Program(NamedTuple):
     uniforms: Uniforms
     program: Program
     frame: Frame
-    xp: Namespace
+    model: ErrorModel
 
-    def __call__(self, places: np.ndarray, engine: Engine) -> "_Hulls":
-        """The program at the pixels of those numbers."""
-        xp, frame = self.xp, self.frame
+    def __call__(self, places: np.ndarray, engine: Engine, decide: Callable | None = None) -> "_Hulls":
+        """The program at the pixels of those numbers; decide: as of `Namespace`."""
+        xp, frame = Namespace(self.model, decide), self.frame
         with running(engine), np.errstate(all="ignore"):
             row, column = (_REAL.given(x.astype(np.float64)) for x in divmod(places, frame.width))
             uv = texture_coordinates(column, row, Vec2(0.5, 0.5), frame)
-            ndc = pixel_to_ndc(*(self._interpolated(x) for x in uv))
+            ndc = pixel_to_ndc(*(_interpolated(x, xp) for x in uv))
             steps = main(tree_map(xp.given, self.uniforms), self.program, ndc, KEEP)
         return _Hulls.of(steps, len(places))
 
-    def _interpolated(self, x: Interval) -> Interval:
-        """A texture coordinate: a varying, of which nobody promises how a rasterizer computes it, or a quotient."""
-        error = np.asarray(self.xp.model.interpolation)
-        x = x + Interval(-error, error, _REAL)
-        return Interval(*outward(x.low, x.high, self.xp.model), self.xp)
+
+def _interpolated(x: Interval, xp: Namespace) -> Interval:
+    """A texture coordinate: a varying, of which nobody promises how a rasterizer computes it, or a quotient."""
+    error = np.asarray(xp.model.interpolation)
+    x = x + Interval(-error, error, _REAL)
+    return Interval(*outward(x.low, x.high, xp.model), xp)
 
 
 class _Hulls(NamedTuple):
@@ -153,11 +154,11 @@ class _Hulls(NamedTuple):
 
 
 def _fill(bounds: Bounds, run: _Program, places: np.ndarray) -> int:
-    """Fill in the pixels of those numbers, every course that they can take (`raytrace.intervals.paths`)."""
+    """Fill in the pixels of those numbers, every course that they can take (`raytrace.arithmetic.intervals.paths`)."""
     n = len(places)
     questions: dict[tuple, int] = {}
     engine = Paths(np.zeros((n, 0), np.int32), questions)
-    hulls = run(places, engine)
+    hulls = run(places, engine, engine.decide)
     courses, too_many = np.ones(n, np.int32), np.zeros(n, bool)
     pixels, given = engine.siblings()
     while len(pixels):
@@ -170,7 +171,7 @@ def _fill(bounds: Bounds, run: _Program, places: np.ndarray) -> int:
         for i in range(0, len(pixels), TILE):
             some = pixels[i : i + TILE]
             engine = Paths(given[i : i + TILE], questions)
-            hulls.include(some, run(places[some], engine))
+            hulls.include(some, run(places[some], engine, engine.decide))
             rows, more = engine.siblings()
             found.append((some[rows], more))
         pixels, given = _joined(found)

@@ -9,19 +9,19 @@ from typing import Any
 
 import numpy as np
 
+from raytrace.arithmetic.intervals import BUILT_INS, GLSL_HIGHP, REAL
 from raytrace.certificates.bounds import REASONS, Bounds, image_bounds
 from raytrace.errors import InputError, did_you_mean
 from raytrace.image import read_metadata, read_planes, write_planes
-from raytrace.intervals import BUILT_INS, GLSL_HIGHP, REAL
 from raytrace.language.tree import tree_map
 from raytrace.rendering import check_size
 from raytrace.scene import Scene, check_scene, load_scene, scene_hash, scene_toml
 from raytrace.scene.toml import scene_from_toml
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
 from raytrace.shader.specification import SPECIFICATION, VERSIONS
 from raytrace.shader.sphere import INTERSECTIONS
 from raytrace.tables import html_table, text_table
-from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["ASSUMPTIONS", "FORMULAS", "PRECISIONS", "Certificate", "certify", "check_specification", "read_certificate"]
 

@@ -62,9 +62,9 @@ def bench(
 
 
 def _pareto(scene: str, size: tuple[int, int], runs: int, as_json: bool, plot: Path | None) -> None:
-    from raytrace.bench import pareto
-    from raytrace.bench.contenders import contenders
     from raytrace.scene import load_scene
+    from raytrace.studies.bench import pareto
+    from raytrace.studies.bench.contenders import contenders
 
     loaded = load_scene(scene)
     found, missing = contenders(loaded, size)
@@ -91,8 +91,8 @@ def _pareto(scene: str, size: tuple[int, int], runs: int, as_json: bool, plot: P
 
 
 def _scaling(kind: str, size: tuple[int, int], runs: int, as_json: bool, plot: Path | None) -> None:
-    from raytrace.bench import scaling
     from raytrace.errors import did_you_mean
+    from raytrace.studies.bench import scaling
 
     if kind not in scaling.KINDS:
         raise InputError(f"--scaling: unknown {kind!r}; {did_you_mean(kind, scaling.KINDS, 'there is')}")
@@ -112,7 +112,7 @@ def _scaling(kind: str, size: tuple[int, int], runs: int, as_json: bool, plot: P
 
 
 def _figures(size: tuple[int, int], runs: int, as_json: bool) -> None:
-    from raytrace.bench.figures import Figure, figures
+    from raytrace.studies.bench.figures import Figure, figures
 
     found, missing = [], []
     if not as_json:
@@ -135,7 +135,7 @@ def _figures(size: tuple[int, int], runs: int, as_json: bool) -> None:
 
 
 def _scenes(size: tuple[int, int], runs: int, as_json: bool) -> None:
-    from raytrace.bench.scenes import scene_timings
+    from raytrace.studies.bench.scenes import scene_timings
 
     rows = []
     if not as_json:
@@ -151,7 +151,7 @@ def _scenes(size: tuple[int, int], runs: int, as_json: bool) -> None:
 
 
 def _roofline(scene: str, size: tuple[int, int], runs: int, as_json: bool) -> None:
-    from raytrace.bench.roofline import roofline
+    from raytrace.studies.bench.roofline import roofline
 
     found = roofline(scene, size, runs)
     if as_json:

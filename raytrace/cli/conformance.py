@@ -22,8 +22,8 @@ def conformance(
 
     Exit code 1, with a line for each image, if a pixel is outside.
     """
-    from raytrace.conformance import ENGINES, study
     from raytrace.scene import scenes as built_in_scenes
+    from raytrace.studies.conformance import ENGINES, study
 
     for name in engine:
         if name not in ENGINES:

@@ -76,7 +76,7 @@ def sun_trials(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """How near fit-sun comes to random suns, from noisy images of 8 bits, and how often its regions hold them."""
-    from raytrace.inverse.trials import told, trials
+    from raytrace.studies.trials import told, trials
 
     if suns < 1:
         raise InputError(f"suns: must be 1 at least, found {suns}")
@@ -98,7 +98,7 @@ def gradients(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """How right the image's derivatives are, with and without edges, against differences of supersampled images."""
-    from raytrace.inverse.accuracy import PARAMETERS, Error, errors, random_world, table
+    from raytrace.studies.gradients import PARAMETERS, Error, errors, random_world, table
 
     names = parameters or list(PARAMETERS)
     for name in names:

@@ -17,7 +17,8 @@ def mutants(
 
     Exit code 1 if a correct engine is outside the bounds.
     """
-    from raytrace.mutants import DETECTORS, MUTATIONS, SCENES, study
+    from raytrace.mistakes import MUTATIONS
+    from raytrace.studies.mutants import DETECTORS, SCENES, study
 
     with progress(len(SCENES) + len(MUTATIONS), "rendering") as advance:
         result = study(done=advance)

@@ -25,11 +25,11 @@ def stress(
     except ImportError:
         raise InputError("stress: needs exact arithmetic: pip install python-flint") from None
     from raytrace.backends.jax.devices import ask_for_all_cores
-    from raytrace.stress import AXES, FULL, QUICK, verdicts
-    from raytrace.stress import stress as measurements
-    from raytrace.stress.plot import plot as write_plot
-    from raytrace.stress.running import groups
-    from raytrace.stress.spheres import peers
+    from raytrace.studies.stress import AXES, FULL, QUICK, verdicts
+    from raytrace.studies.stress import stress as measurements
+    from raytrace.studies.stress.plot import plot as write_plot
+    from raytrace.studies.stress.running import groups
+    from raytrace.studies.stress.spheres import peers
 
     groups(axes or [])
     if plot and not plot.is_dir():

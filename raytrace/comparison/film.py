@@ -5,9 +5,9 @@ import numpy as np
 from raytrace.language.glsl import Vec3
 from raytrace.language.tree import tree_map
 from raytrace.scene.data import Scene
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.film import develop
 from raytrace.shader.uniforms import FilmUniforms, Program
-from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["NEUTRAL", "developed", "film_of", "undeveloped"]
 

@@ -11,8 +11,8 @@ from raytrace.language.control import running
 from raytrace.language.tree import tree_map
 from raytrace.rendering import Rendering
 from raytrace.scene import Scene
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
-from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["Reference"]
 

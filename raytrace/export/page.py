@@ -17,9 +17,9 @@ from raytrace.glsl.shader import shader_text
 from raytrace.scene.data import MatrixCamera, Scene
 from raytrace.scene.document import document_of
 from raytrace.scene.toml import scene_toml
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.film import TONE_MAPPERS
 from raytrace.shader.uniforms import Program, Uniforms
-from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["html"]
 

@@ -8,7 +8,7 @@ from raytrace.errors import InputError
 from raytrace.glsl import fragment_shader
 from raytrace.glsl.choices import CONSTANT_VECTORS
 from raytrace.scene.data import MatrixCamera, OrthographicCamera, PerspectiveCamera, Scene
-from raytrace.uniforms import program_of, uniforms_of
+from raytrace.scene.uniforms import program_of, uniforms_of
 
 __all__ = ["glsl", "shaderlabweb"]
 

@@ -18,8 +18,8 @@ from raytrace.inverse.blocks import SIDE, Blocks
 from raytrace.inverse.likelihood import Noise, log_likelihood
 from raytrace.inverse.programs import kept
 from raytrace.scene.data import Scene
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.uniforms import Program
-from raytrace.uniforms import program_of, uniforms_of
 
 __all__ = ["Relit"]
 

@@ -16,9 +16,6 @@ __all__ = ["Engine", "engine", "running"]
 class Engine:
     """The plain engine: everything is computed everywhere. Others override what they can do better."""
 
-    #: What holds of a condition on intervals that is undecided; ``None``: it stays undecided.
-    decide: Callable | None = None
-
     def step(self, function: Callable, args: tuple) -> Any:
         return function(*args)
 

@@ -12,8 +12,8 @@ from raytrace.backends.jax import OneProgram, Renderer, Staged
 from raytrace.backends.job import Job
 from raytrace.rendering import Rendering
 from raytrace.scene.toml import figures
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
-from raytrace.uniforms import program_of, uniforms_of
 from tests.scenes import SEVERAL_SCENES, some
 from tests.strategies import many
 

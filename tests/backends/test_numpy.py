@@ -10,10 +10,10 @@ from raytrace.backends.numpy import Renderer
 from raytrace.language.control import Engine
 from raytrace.rendering import Rendering
 from raytrace.scene.toml import figures
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
-from raytrace.stress.shadows import scaled
-from raytrace.uniforms import program_of, uniforms_of
+from raytrace.studies.stress.shadows import scaled
 from tests.processes import peak_memory
 from tests.scenes import SEVERAL_SCENES, some
 from tests.strategies import scenes

@@ -14,8 +14,8 @@ from raytrace.backends.jax import Staged, staged
 from raytrace.backends.jax.renderer import Renderer
 from raytrace.backends.job import Job
 from raytrace.rendering import Rendering
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
-from raytrace.uniforms import program_of, uniforms_of
 from tests.scenes import SEVERAL_SCENES, examples, some
 from tests.strategies import many, scenes
 

@@ -8,8 +8,8 @@ import pytest
 import raytrace
 from raytrace.backends.jax import Staged, renderer, stored
 from raytrace.backends.job import Job
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
-from raytrace.uniforms import program_of, uniforms_of
 
 
 def test_the_folder_keeps_what_was_used_last(tmp_path, monkeypatch):

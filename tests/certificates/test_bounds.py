@@ -39,8 +39,8 @@ def test_real_numbers_are_bounded_and_decided(name):
 @SEVERAL_SCENES
 def test_the_exact_image_is_within(name):
     pytest.importorskip("flint")
+    from raytrace.arithmetic.exact import Exact, precision
     from raytrace.backends.exact import exact_steps
-    from raytrace.exact import Exact, precision
 
     scene, (width, height) = raytrace.load_scene(name), (24, 13)
     display = exact_steps(scene, (width, height), ("display",)).display
@@ -89,7 +89,7 @@ def test_the_formulas_are_bounded_apart_and_together():
 
 
 def test_spheres_that_are_left_out_change_no_bound(monkeypatch):
-    from raytrace.intervals import paths
+    from raytrace.arithmetic.intervals import paths
 
     scene = "two-hundred-spheres"
     culled = certify(scene, SMALL, precision="glsl-highp", intersection="textbook")

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 import raytrace
+from raytrace.arithmetic.intervals import GLSL_HIGHP
 from raytrace.certificates import certify, verify
 from raytrace.certificates.bounds import MOST_COURSES, TOO_MANY, _Program, image_bounds
-from raytrace.intervals import GLSL_HIGHP, Namespace
 from raytrace.language.control import Engine
 from raytrace.language.tree import tree_map
 from raytrace.scene.check import check_scene
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
-from raytrace.uniforms import program_of, uniforms_of
 from tests.certificates.provoking import SIZE, provoking_scene
 from tests.scenes import some
 
@@ -93,12 +93,12 @@ class Script(Engine):
 def every_course(scene, intersection, pixel, most):
     """Return low and high ends of a pixel's linear and display values over all courses, None for more than `most`."""
     uniforms = tree_map(lambda x: np.asarray(x, np.float32).astype(np.float64), uniforms_of(scene, SIZE[0] / SIZE[1]))
-    run = _Program(uniforms, program_of(scene, intersection), Frame(*SIZE), Namespace(GLSL_HIGHP))
+    run = _Program(uniforms, program_of(scene, intersection), Frame(*SIZE), GLSL_HIGHP)
     open_, results = [[]], []
     while open_:
         given = open_.pop()
         engine = Script(given)
-        hulls = run(np.array([pixel]), engine)
+        hulls = run(np.array([pixel]), engine, engine.decide)
         results.append(np.stack([*hulls.linear, *hulls.display])[:, 0])
         if len(results) > most:
             return None

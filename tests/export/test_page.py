@@ -15,7 +15,7 @@ from raytrace.export import EXPORTS
 from raytrace.glsl import values_of
 from raytrace.scene.sun import sun_angles
 from raytrace.scene.toml import scene_toml
-from raytrace.uniforms import uniforms_of
+from raytrace.scene.uniforms import uniforms_of
 from tests.export.conftest import SIZE, SMALL, differing
 from tests.scenes import some
 from tests.strategies import many

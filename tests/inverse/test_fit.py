@@ -9,7 +9,7 @@ import pytest
 import raytrace
 from raytrace.errors import InputError
 from raytrace.inverse.fit import DoesNotFit, NotDetermined, fit_sun, fitted_scene
-from raytrace.inverse.trials import Trial, told, trials
+from raytrace.studies.trials import Trial, told, trials
 from tests.inverse.worlds import SIZE, drawn, noisy, off, under, world
 from tests.processes import command
 from tests.scenes import some

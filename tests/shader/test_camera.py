@@ -4,8 +4,8 @@ from hypothesis import given
 
 import raytrace
 from raytrace.language.glsl import Vec2, dot
+from raytrace.scene.uniforms import uniforms_of
 from raytrace.shader.camera import orthographic_ray, pixel_to_ndc, primary_ray
-from raytrace.uniforms import uniforms_of
 from tests.strategies import cameras, numbers
 
 

@@ -4,11 +4,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import raytrace
-from raytrace.intervals import GLSL_HIGHP, REAL, Namespace
+from raytrace.arithmetic.intervals import GLSL_HIGHP, REAL, Namespace
 from raytrace.language.glsl import Vec3
 from raytrace.language.tree import tree_map
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS, develop
-from raytrace.uniforms import program_of, uniforms_of
 from tests.strategies import numbers, vec3
 
 

@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import raytrace
+from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.light import light_at_point, shadow_ray
-from raytrace.uniforms import program_of, uniforms_of
 from tests.strategies import directions, positions, unit, vec3
 
 

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 import raytrace
+from raytrace.scene.uniforms import uniforms_of
 from raytrace.shader.sky import background_color
-from raytrace.uniforms import uniforms_of
 from tests.strategies import unit, vec3
 
 

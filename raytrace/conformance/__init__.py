@@ -1,6 +1,0 @@
-"""Real engines on random scenes: each image lies within the bounds that hold for every conforming program."""
-
-from raytrace.conformance.scenes import STRUCTURES, Structure, random_scene
-from raytrace.conformance.study import ENGINES, Result, study
-
-__all__ = ["ENGINES", "STRUCTURES", "Result", "Structure", "random_scene", "study"]

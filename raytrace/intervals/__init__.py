@@ -1,7 +1,0 @@
-"""Intervals: arrays that hold every number that a program may compute, for the shader's own text."""
-
-from raytrace.intervals.arrays import Condition, Interval
-from raytrace.intervals.errors import BUILT_INS, GLSL_HIGHP, REAL, ErrorModel
-from raytrace.intervals.namespace import Namespace
-
-__all__ = ["BUILT_INS", "GLSL_HIGHP", "REAL", "Condition", "ErrorModel", "Interval", "Namespace"]

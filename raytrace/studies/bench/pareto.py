@@ -1,0 +1,87 @@
+"""Run time against error: which ways to render are not beaten in both by another."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+from raytrace.files import whole_file
+from raytrace.scene.data import Scene
+from raytrace.studies.bench.contenders import Contender
+from raytrace.studies.bench.errors import Errors, reference
+from raytrace.studies.bench.timing import Timing, in_turn
+
+__all__ = ["Row", "front", "measured", "plot"]
+
+
+class Row(NamedTuple):
+    """One way to render; without errors where it gives no image."""
+
+    name: str
+    timing: Timing
+    errors: Errors | None
+
+
+def measured(
+    contenders: list[Contender],
+    scene: Scene | str,
+    size: tuple[int, int],
+    runs: int,
+    done: Callable[[str, float], None] = lambda name, ms: None,
+) -> list[Row]:
+    """Times and errors of the contenders for a scene, the fastest first; `done` is told of each frame."""
+    timings = in_turn({contender.name: contender.frame for contender in contenders}, runs, done)
+    exact = reference(scene, size)
+    rows = [
+        Row(contender.name, timings[contender.name], exact.errors(contender.frame()) if contender.image else None)
+        for contender in contenders
+    ]
+    return sorted(rows, key=lambda row: row.timing.median)
+
+
+def front(rows: list[Row]) -> list[Row]:
+    """The rows, fastest first, that no other beats in both time and root mean square error."""
+    best, kept = float("inf"), []
+    for row in sorted((row for row in rows if row.errors), key=lambda row: (row.timing.median, row.errors.rms)):
+        if row.errors.rms < best:
+            best = row.errors.rms
+            kept.append(row)
+    return kept
+
+
+def plot(rows: list[Row], title: str, path: Path) -> None:
+    """Writes the plot, an SVG or a PNG by the file's name: both scales logarithmic, the front drawn, the rest grey.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 5.5), layout="constrained")
+    axes = figure.subplots()
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    drawn = [row for row in rows if row.errors and row.errors.rms > 0]
+    best = [row for row in front(rows) if row in drawn]
+    axes.plot([row.timing.median for row in best], [row.errors.rms for row in best], color="C0", zorder=2)
+    for number, row in enumerate(drawn, start=1):
+        color = "C0" if row in best else "0.6"
+        spread = [[row.timing.median - row.timing.fastest], [row.timing.slowest - row.timing.median]]
+        point = row.timing.median, row.errors.rms
+        label = f"{number}  {row.name}"
+        axes.errorbar(*point, xerr=spread, fmt="o", color=color, capsize=2, zorder=3, label=label)
+        # Neighbours in time have their numbers on different sides.
+        below = number % 2 == 0
+        offset = (0, -7) if below else (0, 5)
+        alignment = {"ha": "center", "va": "top" if below else "bottom", "fontsize": 8, "color": color}
+        axes.annotate(str(number), point, xytext=offset, textcoords="offset points", **alignment)
+    for row in rows:
+        if row.errors is None:
+            axes.axvline(row.timing.median, color="C1", linestyle=":", zorder=1, label=row.name)
+    axes.set_xlabel("milliseconds a frame (median; bars: fastest and slowest)")
+    axes.set_ylabel("root mean square error of display values,\npixels on a discontinuity left out")
+    axes.set_title(title)
+    axes.grid(which="major", color="0.9")
+    axes.margins(0.08)
+    figure.legend(loc="outside right upper", fontsize=8, frameon=False, handlelength=1.2)
+    with whole_file(path) as temporary:
+        figure.savefig(temporary, format=path.suffix[1:], dpi=120)

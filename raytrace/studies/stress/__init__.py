@@ -1,0 +1,9 @@
+"""Stress tests: each formula of the shader, on every arithmetic, against exact arithmetic."""
+
+from raytrace.studies.stress.axes import AXES
+from raytrace.studies.stress.bounds import BOUNDS, Verdict, verdicts
+from raytrace.studies.stress.effort import FULL, QUICK, Effort
+from raytrace.studies.stress.measure import Point
+from raytrace.studies.stress.running import stress
+
+__all__ = ["AXES", "BOUNDS", "FULL", "QUICK", "Effort", "Point", "Verdict", "stress", "verdicts"]

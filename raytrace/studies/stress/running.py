@@ -1,0 +1,42 @@
+"""All axes, or some of them."""
+
+from collections.abc import Callable, Iterator
+
+from raytrace.errors import InputError, did_you_mean
+from raytrace.studies.stress.axes import AXES, GROUPS
+from raytrace.studies.stress.effort import QUICK, Effort
+from raytrace.studies.stress.measure import Point
+
+__all__ = ["groups", "stress"]
+
+
+def groups(names: list[str]) -> list[Callable]:
+    """The groups that hold the axes of those names; all for none.
+
+    Raises:
+        InputError: there is no such axis.
+    """
+    for name in names:
+        if name not in AXES:
+            raise InputError(f"axis: unknown {name!r}; {did_you_mean(name, AXES, 'there is')}")
+    return [group for group, axes in GROUPS.items() if not names or set(axes) & set(names)]
+
+
+def stress(effort: Effort = QUICK, names: list[str] | None = None) -> Iterator[Point]:
+    """Every measurement of the axes named, or of all.
+
+    Raises:
+        InputError: there is no such axis.
+    """
+    names = list(names or [])
+    for group in groups(names):
+        for axis, run in _runs(group, effort):
+            if not names or axis in names or axis is None:
+                yield from (point for point in run() if not names or point.axis in names)
+
+
+def _runs(group: Callable, effort: Effort) -> Iterator[tuple[str | None, Callable]]:
+    """Each function of a group with its axis; ``None`` where one function gives several."""
+    runs = list(group(effort))
+    axes = GROUPS[group] if len(runs) == len(GROUPS[group]) else [None] * len(runs)
+    return zip(axes, runs, strict=True)
