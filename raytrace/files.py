@@ -1,14 +1,21 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, figures among them."""
 
 import os
 import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from raytrace.errors import InputError
 
-__all__ = ["reason", "whole_file"]
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["check_figure", "reason", "save_figure", "whole_file"]
+
+#: What a figure's file can be called.
+FIGURES = (".svg", ".png")
 
 
 def reason(error: OSError) -> str:
@@ -45,3 +52,30 @@ def whole_file(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def check_figure(path: str | Path, endings: tuple[str, ...] = FIGURES) -> None:
+    """Check the name of a figure's file, before anything is measured that the figure will show.
+
+    Raises:
+        InputError: it has none of the endings.
+    """
+    if Path(path).suffix.lower() not in endings:
+        raise InputError(f"{path}: a figure's file must be named {' or '.join(f'*{ending}' for ending in endings)}")
+
+
+def save_figure(figure: "Figure", path: str | Path, dpi: int = 100) -> None:
+    """Write a Matplotlib figure as an SVG or a PNG, by the file's name; the same figure gives the same PNG.
+
+    dpi: dots of an inch.
+
+    Raises:
+        InputError: the file cannot be written, or has another ending.
+    """
+    path = Path(path)
+    check_figure(path)
+    kind = path.suffix[1:].lower()
+    # A PNG would name Matplotlib's version.
+    metadata = {"Software": None} if kind == "png" else None
+    with whole_file(path) as temporary:
+        figure.savefig(temporary, format=kind, dpi=dpi, metadata=metadata)

@@ -1,27 +1,30 @@
-"""From a scene to an image: `render`, and `Rendering` for images that are written while they are rendered."""
+"""From a scene to an image: `render`, its `Options`, and `Rendering` for images that are written band by band."""
 
-from collections.abc import Iterator, Mapping
+import inspect
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import KW_ONLY, dataclass
+from functools import wraps
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ParamSpec, TypeVar, get_type_hints
 
 import numpy as np
 
 from raytrace.backends import BACKENDS, renderer
 from raytrace.backends.job import ForeignShader, Job
-from raytrace.errors import InputError, did_you_mean
+from raytrace.errors import InputError, check_choice
 from raytrace.glsl.source import read_shader
 from raytrace.language.control import Engine
-from raytrace.scene.check import check_scene, check_structure, is_traced
+from raytrace.scene.check import check_structure, is_traced
 from raytrace.scene.data import Scene, concrete
-from raytrace.scene.toml import DEFAULT_SCENE, load_scene, scene_hash, scene_toml
+from raytrace.scene.toml import DEFAULT_SCENE, as_scene, scene_hash, scene_toml
 from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.light import SHADOW_STARTS
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.shader.sphere import INTERSECTIONS
 
-__all__ = ["Rendering", "check_size", "render"]
+__all__ = ["Options", "Rendering", "check_size", "render"]
 
 #: Means over a pixel: of samples, or of what is on either side of its edges.
 ANTIALIAS = ("none", "edges")
@@ -36,82 +39,150 @@ MOST_SAMPLES = 64
 BAND = 1 << 22
 
 
-class Rendering:
-    """A scene and all choices made for its image, checked; rendered as a whole or in bands.
+@dataclass(frozen=True)
+class Options:
+    """A scene and the choices made for its image: the arguments of `render`, which says what each is.
 
-    Takes what `render` takes and raises what it raises. `engine` replaces the backend's own.
+    The texts are what the command says of them.
     """
 
-    def __init__(
-        self,
-        scene: Scene | str | Path = DEFAULT_SCENE,
-        size: tuple[int, int] = (1920, 1080),
-        *,
-        backend: str = "jax",
-        dtype: str = "float32",
-        samples: int = 1,
-        output: str = "display",
-        intersection: str | None = None,
-        shadow_start: str = "offset",
-        antialias: str = "none",
-        exact_inputs: bool = False,
-        skip: bool = True,
-        shader: str | Path | None = None,
-        uniforms: Mapping[str, Any] | None = None,
-        time_limit: float = ForeignShader.time_limit,
-        engine: Engine | None = None,
-    ):
-        _check(size, backend, dtype, samples, output, intersection)
-        _choice("shadow_start", shadow_start, SHADOW_STARTS)
-        _check_antialias(antialias, backend, output)
-        foreign = None
-        if shader is not None:
-            _check_shader(backend, samples, output, time_limit)
-            foreign = ForeignShader(read_shader(shader), tuple((uniforms or {}).items()), float(time_limit))
-        elif uniforms:
+    scene: Scene | str | Path = DEFAULT_SCENE
+    size: Annotated[tuple[int, int], "WIDTHxHEIGHT in pixels."] = (1920, 1080)
+    _: KW_ONLY
+    backend: Annotated[str, "jax, numpy, opengl or webgl."] = "jax"
+    dtype: Annotated[str, "float32; jax, numpy: float64; numpy: longdouble."] = "float32"
+    samples: Annotated[int, "n for n x n samples a pixel."] = 1
+    output: Annotated[str, "display, linear or steps; default: linear for .exr, otherwise display."] = "display"
+    intersection: Annotated[str | None, "textbook or robust; default: robust in float32 only."] = None
+    shadow_start: Annotated[
+        str, "offset, the assignment's 1e-3 along the normal; jax, numpy: surface, which has no scale."
+    ] = "offset"
+    antialias: Annotated[
+        str, "none, or edges: each pixel the mean over its square, along its edges too; jax, numpy."
+    ] = "none"
+    exact_inputs: Annotated[bool, "Do not round the scene's numbers to float32."] = False
+    skip: Annotated[bool, "Leave out what a part of the image does not need."] = True
+    shader: Annotated[
+        str | Path | None, "Your own fragment shader, to run instead; with --backend opengl or webgl."
+    ] = None
+    uniforms: Annotated[
+        Mapping[str, Any] | None, "What a uniform of that shader stands for, name=camera_position; repeatable."
+    ] = None
+    time_limit: Annotated[float, "Seconds that your own shader may take."] = ForeignShader.time_limit
+    engine: Engine | None = None
+
+    def check(self) -> None:
+        """Check all but the scene.
+
+        Raises:
+            InputError: a choice is wrong, or does not go with another.
+        """
+        check_size(self.size)
+        check_choice("backend", self.backend, BACKENDS)
+        check_choice(f"dtype of backend {self.backend}", self.dtype, BACKENDS[self.backend].dtypes)
+        check_choice("output", self.output, OUTPUTS)
+        if self.intersection is not None:
+            check_choice("intersection", self.intersection, INTERSECTIONS)
+        if not _is_whole(self.samples) or not 1 <= self.samples <= MOST_SAMPLES:
+            raise InputError(f"samples: must be a whole number from 1 to {MOST_SAMPLES}, found {self.samples!r}")
+        if self.samples > 1 and self.output == "steps":
+            raise InputError(f"samples: output 'steps' is of one sample a pixel, found {self.samples}")
+        check_choice("shadow_start", self.shadow_start, SHADOW_STARTS)
+        check_choice("antialias", self.antialias, ANTIALIAS)
+        if self.antialias != "none" and self.backend not in ("jax", "numpy"):
+            raise InputError(f"antialias: backend {self.backend} has none; jax and numpy have")
+        if self.antialias != "none" and self.output == "steps":
+            raise InputError("antialias: output 'steps' is of one point of each pixel, which has no edges")
+        if self.shader is not None:
+            self._check_shader()
+        elif self.uniforms:
             raise InputError("uniforms: are those of a shader, and none is given")
-        if not isinstance(scene, Scene):
-            scene = load_scene(scene)  # which checks it
-        elif is_traced(scene):
-            if backend != "jax":
-                raise InputError(f"backend {backend}: the scene is traced by JAX, which only backend 'jax' can render")
-            check_structure(scene)
-        else:
-            check_scene(scene)
-            scene = concrete(scene)
-        if intersection is None:
-            usual = "robust" if dtype == "float32" else "textbook"
-            intersection = BACKENDS[backend].intersection or usual
-        self.scene, self.backend, self.dtype, self.output = scene, backend, dtype, output
-        self.intersection, self.shadow_start, self.exact_inputs = intersection, shadow_start, exact_inputs
-        self.antialias = antialias
-        self.frame = Frame(*map(int, size), samples=int(samples))
-        program = program_of(scene, intersection, shadow_start, antialias)
-        job = Job(program, self.frame, OUTPUTS[output], dtype, exact_inputs, skip, engine, foreign)
-        self.renderer = renderer(backend, uniforms_of(scene, self.frame.width / self.frame.height), job)
+
+    def _check_shader(self) -> None:
+        if not BACKENDS[self.backend].runs_shaders:
+            able = [name for name, known in BACKENDS.items() if known.runs_shaders]
+            raise InputError(f"shader: backend {self.backend} runs no shader; these do: {', '.join(able)}")
+        if self.samples > 1:
+            raise InputError(f"samples: a shader is run once a pixel, found {self.samples}")
+        if self.output == "steps":
+            raise InputError("output: a shader gives one image, 'display' or 'linear' values, found 'steps'")
+        if not self.time_limit > 0:
+            raise InputError(f"time_limit: must be greater than 0 seconds, found {self.time_limit}")
+
+    def foreign_shader(self) -> ForeignShader | None:
+        """Return the user's own shader, read.
+
+        Raises:
+            InputError: its file cannot be read, or is no shader.
+        """
+        if self.shader is None:
+            return None
+        return ForeignShader(read_shader(self.shader), tuple((self.uniforms or {}).items()), float(self.time_limit))
+
+    def checked_scene(self) -> Scene:
+        """Return the scene with arrays of NumPy's; one that JAX traces as it is.
+
+        Raises:
+            InputError: there is no such scene, one of its values is wrong, or the backend cannot render a traced one.
+        """
+        scene = self.scene
+        if not isinstance(scene, Scene) or not is_traced(scene):
+            return concrete(as_scene(scene))
+        if self.backend != "jax":
+            raise InputError(f"backend {self.backend}: the scene is traced by JAX, which only backend 'jax' can render")
+        check_structure(scene)
+        return scene
+
+    def formula(self) -> str:
+        """Return the formula for the sphere."""
+        usual = "robust" if self.dtype == "float32" else "textbook"
+        return self.intersection or BACKENDS[self.backend].intersection or usual
+
+
+class Rendering:
+    """What `Options` ask for, checked; rendered as a whole or in bands. Raises what `render` raises."""
+
+    def __init__(self, options: Options):
+        options.check()
+        foreign = options.foreign_shader()
+        self.options, self.scene, self.intersection = options, options.checked_scene(), options.formula()
+        width, height = map(int, options.size)
+        self.frame = Frame(width, height, samples=int(options.samples))
+        program = program_of(self.scene, self.intersection, options.shadow_start, options.antialias)
+        job = Job(
+            program,
+            self.frame,
+            OUTPUTS[options.output],
+            options.dtype,
+            options.exact_inputs,
+            options.skip,
+            options.engine,
+            foreign,
+        )
+        self.renderer = renderer(options.backend, uniforms_of(self.scene, width / height), job)
 
     def whole(self) -> Any:
-        """The image, or the dict of steps."""
+        """Return the image, or the dict of steps."""
         return self._result(self.renderer.draw(0, self.frame.height))
 
     @property
     def band_height(self) -> int:
-        """Rows of each band but the last."""
+        """The rows of each band but the last."""
         return min(self.frame.height, max(1, BAND // (self.frame.width * self.frame.samples**2)))
 
     def compile(self) -> None:
-        """Prepares for `bands`, so that the time that they take is the time of rendering."""
+        """Prepare for `bands`, so that the time that they take is the time of rendering."""
         self.renderer.compile(self.band_height)
 
     def bands(self) -> Iterator[Any]:
-        """The image from the top down, in bands of rows, as NumPy arrays."""
+        """Yield the image from the top down, in bands of rows, as NumPy arrays."""
         for first in range(0, self.frame.height, self.band_height):
             images = self.renderer.draw(first, self.band_height)
             rows = min(self.band_height, self.frame.height - first)
             yield self._result({name: np.asarray(image)[:rows] for name, image in images.items()})
 
     def pixel(self, x: int, y: int) -> Any:
-        """The output at one pixel; steps as a dict of numbers and vectors.
+        """Return the output at one pixel; steps as a dict of numbers and vectors.
 
         Raises:
             InputError: there is no such pixel.
@@ -123,47 +194,52 @@ class Rendering:
         return self._result(images)
 
     def metadata(self) -> dict[str, str]:
-        """What an image file should say of its origin."""
-        linear = self.output == "linear"
+        """Return what an image file should say of its origin."""
+        linear = self.options.output == "linear"
         values = "linear light" if linear else f"display values, transfer function {self.scene.film.transfer}"
         return {
             "scene": scene_toml(self.scene),
             "scene_sha256": scene_hash(self.scene),
             "color_space": f"Rec. 709 primaries, {values}",
-            "output": self.output,
-            "backend": self.backend,
-            "dtype": self.dtype,
+            "output": self.options.output,
+            "backend": self.options.backend,
+            "dtype": self.options.dtype,
             "intersection": self.intersection,
-            "shadow_start": self.shadow_start,
-            "antialias": self.antialias,
+            "shadow_start": self.options.shadow_start,
+            "antialias": self.options.antialias,
             "samples": str(self.frame.samples),
-            "exact_inputs": str(self.exact_inputs).lower(),
+            "exact_inputs": str(self.options.exact_inputs).lower(),
             "version": version("raytrace"),
             **self.renderer.about(),
         }
 
     def _result(self, images: dict[str, Any]) -> Any:
-        return images if self.output == "steps" else images[self.output]
+        return images if self.options.output == "steps" else images[self.options.output]
 
 
-def render(
-    scene: Scene | str | Path = DEFAULT_SCENE,
-    size: tuple[int, int] = (1920, 1080),
-    *,
-    backend: str = "jax",
-    dtype: str = "float32",
-    samples: int = 1,
-    output: str = "display",
-    intersection: str | None = None,
-    shadow_start: str = "offset",
-    antialias: str = "none",
-    exact_inputs: bool = False,
-    skip: bool = True,
-    shader: str | Path | None = None,
-    uniforms: Mapping[str, Any] | None = None,
-    time_limit: float = ForeignShader.time_limit,
-) -> Any:
-    """The image of a scene, of shape (height, width, 3), row 0 at the top.
+P, Result = ParamSpec("P"), TypeVar("Result")
+
+
+def taking(options: Callable[P, Options]) -> Callable[[Callable[[Options], Result]], Callable[P, Result]]:
+    """Decorate a function of `Options` so that it takes their fields as arguments of its own."""
+    signature, hints = inspect.signature(options), get_type_hints(options)
+    plain = [parameter.replace(annotation=hints[name]) for name, parameter in signature.parameters.items()]
+
+    def decorated(function: Callable[[Options], Result]) -> Callable[P, Result]:
+        @wraps(function)
+        def with_arguments(*args: P.args, **choices: P.kwargs) -> Result:
+            signature.bind(*args, **choices)  # else an unknown argument would be said to be one of `Options`
+            return function(options(*args, **choices))
+
+        with_arguments.__signature__ = signature.replace(parameters=plain, return_annotation=Any)  # pyright: ignore[reportAttributeAccessIssue]
+        return with_arguments
+
+    return decorated
+
+
+@taking(Options)
+def render(options: Options) -> Any:
+    """Render a scene to an image of shape (height, width, 3), row 0 at the top.
 
     scene: a `Scene`, concrete or traced by JAX; a built-in's name; or a scene file's path.
     size: (width, height) in pixels.
@@ -184,11 +260,12 @@ def render(
         is what a GPU is given.
     skip: with JAX and NumPy, leave out what a part of the image does not need: branches that no pixel takes, spheres
         that no ray of it can meet. The bits are the same without, only later.
-    shader: a file with somebody's own fragment shader, for "opengl" and "webgl", to run in the place of ours. The
+    shader: a file with a user's own fragment shader, for "opengl" and "webgl", to run in the place of ours. The
         scene's uniforms are bound by their names; `output` says what it gives, display or linear values.
     uniforms: what a uniform of that shader stands for where its name does not say it: a key of
         `raytrace.glsl.meanings.MEANINGS`, a number, or numbers.
     time_limit: seconds that the shader may take.
+    engine: how the shader's control words are run, instead of the backend's own way (`raytrace.language.Engine`).
 
     JAX gives JAX arrays, but NumPy's for float64 while x64 mode is off; all others give NumPy's.
 
@@ -197,26 +274,15 @@ def render(
             backend's engine is not installed; the shader does not compile, or one of its uniforms is not bound.
         EngineFailure: a graphics engine crashed; the shader did not end in time.
     """
-    return Rendering(
-        scene,
-        size,
-        backend=backend,
-        dtype=dtype,
-        samples=samples,
-        output=output,
-        intersection=intersection,
-        shadow_start=shadow_start,
-        antialias=antialias,
-        exact_inputs=exact_inputs,
-        skip=skip,
-        shader=shader,
-        uniforms=uniforms,
-        time_limit=time_limit,
-    ).whole()
+    return Rendering(options).whole()
 
 
 def check_size(size: Any) -> None:
-    """Raises an InputError unless `size` is a (width, height) that can be rendered."""
+    """Check a (width, height) in pixels.
+
+    Raises:
+        InputError: it cannot be rendered.
+    """
     sides = isinstance(size, tuple | list) and len(size) == 2
     if not sides or not all(_is_whole(side) and 1 <= side <= LARGEST_SIDE for side in size):
         raise InputError(f"size: must be (width, height), each from 1 to {LARGEST_SIDE} pixels, found {size!r}")
@@ -224,43 +290,3 @@ def check_size(size: Any) -> None:
 
 def _is_whole(number: Any) -> bool:
     return isinstance(number, int | np.integer) and not isinstance(number, bool)
-
-
-def _check(size: Any, backend: str, dtype: str, samples: int, output: str, intersection: str | None) -> None:
-    check_size(size)
-    _choice("backend", backend, BACKENDS)
-    _choice(f"dtype of backend {backend}", dtype, BACKENDS[backend].dtypes)
-    _choice("output", output, OUTPUTS)
-    if intersection is not None:
-        _choice("intersection", intersection, INTERSECTIONS)
-    if not _is_whole(samples) or not 1 <= samples <= MOST_SAMPLES:
-        raise InputError(f"samples: must be a whole number from 1 to {MOST_SAMPLES}, found {samples!r}")
-    if samples > 1 and output == "steps":
-        raise InputError(f"samples: output 'steps' is of one sample a pixel, found {samples}")
-
-
-def _check_antialias(antialias: str, backend: str, output: str) -> None:
-    _choice("antialias", antialias, ANTIALIAS)
-    if antialias == "none":
-        return
-    if backend not in ("jax", "numpy"):
-        raise InputError(f"antialias: backend {backend} has none; jax and numpy have")
-    if output == "steps":
-        raise InputError("antialias: output 'steps' is of one point of each pixel, which has no edges")
-
-
-def _check_shader(backend: str, samples: int, output: str, time_limit: float) -> None:
-    if not BACKENDS[backend].runs_shaders:
-        able = [name for name, known in BACKENDS.items() if known.runs_shaders]
-        raise InputError(f"shader: backend {backend} runs no shader; these do: {', '.join(able)}")
-    if samples > 1:
-        raise InputError(f"samples: a shader is run once a pixel, found {samples}")
-    if output == "steps":
-        raise InputError("output: a shader gives one image, 'display' or 'linear' values, found 'steps'")
-    if not time_limit > 0:
-        raise InputError(f"time_limit: must be greater than 0 seconds, found {time_limit}")
-
-
-def _choice(what: str, found: Any, allowed: Any) -> None:
-    if found not in list(allowed):
-        raise InputError(f"{what}: unknown {found!r}; {did_you_mean(found, allowed, 'there is')}")

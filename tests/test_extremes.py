@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import raytrace
 from raytrace.errors import InputError
 from raytrace.scene.check import check_scene
-from raytrace.scene.rules import BRIGHTEST, LARGEST, LONGEST, MOST_EXPOSURE, SHORTEST
+from raytrace.scene.kinds import BRIGHTEST, LARGEST, LONGEST, MOST_EXPOSURE, SHORTEST
 from tests.scenes import examples, some
 
 SIZE = (9, 5)

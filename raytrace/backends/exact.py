@@ -6,7 +6,7 @@ from raytrace.arithmetic.exact import Exact, precision
 from raytrace.language.control import Engine, running
 from raytrace.language.tree import tree_map
 from raytrace.scene import Scene
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.uniforms import program_of, rounded, uniforms_of
 from raytrace.shader.main import Steps
 from raytrace.shader.pixel import Frame, pixels
 
@@ -33,6 +33,6 @@ def exact_steps(
     """
     width, height = size
     with precision(BITS), running(engine or Engine()):
-        given = tree_map(lambda x: Exact.of(np.asarray(x).astype(np.float32)), uniforms_of(scene, width / height))
+        given = tree_map(Exact.of, rounded(uniforms_of(scene, width / height)))
         row, column = (Exact.of(plane.astype(np.float64)) for plane in np.indices((height, width)))
         return pixels(given, program_of(scene, "textbook", shadow_start), column, row, Frame(width, height), keep)

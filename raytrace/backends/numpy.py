@@ -6,22 +6,24 @@ pixel's bits are those of the plain engine: NumPy's elementwise functions do not
 """
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from raytrace.backends.culling import Beam, Bounds, Pencil, Region, outside, primary_rays, shadow_rays
 from raytrace.backends.job import Job
-from raytrace.cores import cores
+from raytrace.cores import in_threads
 from raytrace.edges import pixels
 from raytrace.language.control import Engine, running
 from raytrace.language.tree import tree_map
+from raytrace.scene.uniforms import rounded
 from raytrace.shader.hit import Hit, Nearest
 from raytrace.shader.main import COMPONENTS
+from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
-__all__ = ["Masked", "Renderer"]
+__all__ = ["Masked", "Renderer", "drawn"]
 
 #: Sides of a tile, in pixels: its planes fit into the cache, and Python's own share of the time is small.
 TILE = 256
@@ -83,8 +85,9 @@ class Renderer:
     """A scene, ready to be rendered; see `raytrace.backends.Renderer`."""
 
     def __init__(self, uniforms: Uniforms, job: Job):
-        given = np.float64 if job.exact_inputs else np.float32
-        self.uniforms = tree_map(lambda x: np.asarray(x, given).astype(job.dtype), uniforms)
+        self.uniforms = tree_map(
+            lambda x: np.asarray(x, job.dtype), uniforms if job.exact_inputs else rounded(uniforms)
+        )
         self.job = job
         with np.errstate(all="ignore"):
             usual = Masked(self.uniforms, job.program) if job.skip else Engine()
@@ -97,39 +100,48 @@ class Renderer:
         """Nothing to compile."""
 
     def draw(self, first: int, count: int) -> dict[str, np.ndarray]:
-        images = {name: _empty(name, count, self.job.frame.width, self.job.dtype) for name in self.job.keep}
-        width = self.job.frame.width
-        tiles = [
-            (slice(row, row + TILE), slice(column, column + TILE))
-            for row in range(0, count, TILE)
-            for column in range(0, width, TILE)
-        ]
-        pool = ThreadPoolExecutor(cores())
-        try:
-            for tile in [pool.submit(self._fill, images, first, *tile) for tile in tiles]:
-                tile.result()
-        finally:
-            # After an error or an interruption the tiles that have not begun are not begun.
-            pool.shutdown(cancel_futures=True)
-        return images
+        columns, rows = (
+            np.arange(*ends, dtype=self.job.dtype) for ends in ((self.job.frame.width,), (first, first + count))
+        )
+        return drawn(self.uniforms, self.job.program, columns, rows, self.job.frame, self.job.keep, self.engine)
 
-    def _fill(self, images: dict[str, np.ndarray], first: int, rows: slice, columns: slice) -> None:
-        """Renders a tile of `images`, whose row 0 is the image's row `first`."""
-        parts = {name: image[rows, columns] for name, image in images.items()}
-        height, width = next(iter(parts.values())).shape[:2]
-        column = np.arange(columns.start, columns.start + width, dtype=self.job.dtype)[None, :]
-        row = np.arange(first + rows.start, first + rows.start + height, dtype=self.job.dtype)[:, None]
-        with running(self.engine), np.errstate(all="ignore"):
-            steps = pixels(self.uniforms, self.job.program, column, row, self.job.frame, self.job.keep)
-        for name, part in parts.items():
+
+def drawn(
+    uniforms: Uniforms,
+    program: Program,
+    columns: np.ndarray,
+    rows: np.ndarray,
+    frame: Frame,
+    keep: tuple[str, ...],
+    engine: Engine,
+) -> dict[str, np.ndarray]:
+    """Return the steps named in `keep` of the pixels where `columns` and `rows` cross.
+
+    uniforms, columns, rows: of one dtype, in which everything is computed. columns, rows: (width,) and (height,); whole
+    numbers for pixels, and others between them.
+
+    Gives arrays (height, width) or (height, width, components).
+    """
+    images = {name: _empty(name, len(rows), len(columns), rows.dtype) for name in keep}
+
+    def fill(tile: tuple[slice, slice]) -> None:
+        across, down = columns[None, tile[1]], rows[tile[0], None]
+        with running(engine), np.errstate(all="ignore"):
+            steps = pixels(uniforms, program, across, down, frame, keep)
+        for name, image in images.items():
             if COMPONENTS[name] == 1:
-                part[...] = getattr(steps, name)
+                image[tile] = getattr(steps, name)
             else:
                 for component, plane in enumerate(getattr(steps, name)):
-                    part[..., component] = plane
+                    image[*tile, component] = plane
+
+    starts = product(range(0, len(rows), TILE), range(0, len(columns), TILE))
+    for _ in in_threads(fill, [(slice(row, row + TILE), slice(column, column + TILE)) for row, column in starts]):
+        pass
+    return images
 
 
-def _empty(name: str, height: int, width: int, dtype: str) -> np.ndarray:
+def _empty(name: str, height: int, width: int, dtype: np.dtype) -> np.ndarray:
     components = COMPONENTS[name]
     shape = (height, width) if components == 1 else (height, width, components)
     return np.empty(shape, np.int32 if name == "index" else dtype)

@@ -1,7 +1,6 @@
 """Bounds of every pixel of an image, for every program that conforms to an error model."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +8,7 @@ import numpy as np
 from raytrace.arithmetic.intervals import REAL, ErrorModel, Interval, Namespace
 from raytrace.arithmetic.intervals.paths import Paths
 from raytrace.arithmetic.intervals.rounding import outward
-from raytrace.cores import cores
+from raytrace.cores import in_threads
 from raytrace.language.control import Engine, count, running
 from raytrace.language.glsl import Vec2
 from raytrace.language.tree import tree_map
@@ -73,12 +72,8 @@ def image_bounds(
         for row in range(0, frame.height, ROWS)
         for column in range(0, frame.width, COLUMNS)
     ]
-    pool = ThreadPoolExecutor(cores())
-    try:
-        for tile in [pool.submit(_fill, bounds, run, places) for places in tiles]:
-            done(tile.result())
-    finally:
-        pool.shutdown(cancel_futures=True)
+    for count_of_pixels in in_threads(lambda places: _fill(bounds, run, places), tiles):
+        done(count_of_pixels)
     return bounds
 
 

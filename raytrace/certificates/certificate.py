@@ -11,13 +11,12 @@ import numpy as np
 
 from raytrace.arithmetic.intervals import BUILT_INS, GLSL_HIGHP, REAL
 from raytrace.certificates.bounds import REASONS, Bounds, image_bounds
-from raytrace.errors import InputError, did_you_mean
+from raytrace.errors import InputError, check_choice
 from raytrace.image import read_metadata, read_planes, write_planes
-from raytrace.language.tree import tree_map
 from raytrace.rendering import check_size
-from raytrace.scene import Scene, check_scene, load_scene, scene_hash, scene_toml
-from raytrace.scene.toml import scene_from_toml
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene import Scene, scene_hash, scene_toml
+from raytrace.scene.toml import as_scene, scene_from_toml
+from raytrace.scene.uniforms import program_of, rounded, uniforms_of
 from raytrace.shader.pixel import Frame
 from raytrace.shader.specification import SPECIFICATION, VERSIONS
 from raytrace.shader.sphere import INTERSECTIONS
@@ -184,15 +183,11 @@ def certify(
         InputError: an argument or a value of the scene is wrong.
     """
     check_size(size)
-    for what, found, allowed in (("precision", precision, PRECISIONS), ("intersection", intersection, FORMULAS)):
-        if found not in allowed:
-            raise InputError(f"{what}: unknown {found!r}; {did_you_mean(found, allowed, 'there is')}")
-    if isinstance(scene, Scene):
-        check_scene(scene)
-    else:
-        scene = load_scene(scene)
+    check_choice("precision", precision, PRECISIONS)
+    check_choice("intersection", intersection, FORMULAS)
+    scene = as_scene(scene)
     width, height = size
-    uniforms = tree_map(lambda x: np.asarray(x, np.float32).astype(np.float64), uniforms_of(scene, width / height))
+    uniforms = rounded(uniforms_of(scene, width / height))
     # In real numbers both formulas are one, and this one's bounds are narrower.
     formulas = ("robust",) if precision == "real" else _formulas(intersection)
     bounds = None

@@ -8,7 +8,7 @@ import numpy as np
 
 from raytrace.certificates.certificate import Certificate
 from raytrace.comparison.inputs import KINDS
-from raytrace.errors import InputError, did_you_mean
+from raytrace.errors import InputError, check_choice
 from raytrace.image.depth import Depth, coarsest_depth, values_of
 from raytrace.rendering import render
 
@@ -137,8 +137,7 @@ def verify(image: Any, certificate: Certificate, values: str = "display", depth:
     Raises:
         InputError: the image is of another shape or type, or there are no such values.
     """
-    if values not in KINDS:
-        raise InputError(f"values: unknown {values!r}; {did_you_mean(values, KINDS, 'there is')}")
+    check_choice("values", values, KINDS)
     given = np.asarray(image)
     width, height = certificate.size
     if given.shape != (height, width, 3):

@@ -6,8 +6,9 @@ from typing import Annotated, Any
 
 import typer
 
-from raytrace.cli.options import Size, check_plot, progress, size_of
-from raytrace.errors import InputError
+from raytrace.cli.options import Size, progress, size_of
+from raytrace.errors import InputError, check_choice
+from raytrace.files import check_figure
 from raytrace.scene.toml import DEFAULT_SCENE
 
 __all__ = ["bench"]
@@ -47,7 +48,8 @@ def bench(
         raise InputError(f"{' and '.join(chosen)}: one at a time")
     if plot and (figures or scenes or roofline):
         raise InputError(f"--plot: there is none with {chosen[0]}")
-    check_plot(plot)
+    if plot:
+        check_figure(plot)
     shape = size_of(size)
     if scaling:
         _scaling(scaling, shape, runs, as_json, plot)
@@ -91,11 +93,9 @@ def _pareto(scene: str, size: tuple[int, int], runs: int, as_json: bool, plot: P
 
 
 def _scaling(kind: str, size: tuple[int, int], runs: int, as_json: bool, plot: Path | None) -> None:
-    from raytrace.errors import did_you_mean
     from raytrace.studies.bench import scaling
 
-    if kind not in scaling.KINDS:
-        raise InputError(f"--scaling: unknown {kind!r}; {did_you_mean(kind, scaling.KINDS, 'there is')}")
+    check_choice("--scaling", kind, scaling.KINDS)
     points = []
     if not as_json:
         print(f"{kind:>10}  {'':16} {'median ms':>10} {'fastest':>9} {'slowest':>9} {'once':>9}", flush=True)

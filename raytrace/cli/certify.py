@@ -1,15 +1,17 @@
 """Commands on certified images: `certify` and `verify`."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import typer
 
-from raytrace.cli.options import Changes, Scene, Shader, ShaderUniforms, Size, TimeLimit, progress, size_of
+from raytrace.cli.options import Changes, Scene, Size, progress, size_of, taking_options
 from raytrace.errors import InputError
 from raytrace.image.depth import Depth
+from raytrace.rendering import Options, Rendering
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 
 __all__ = ["certify", "verify"]
@@ -44,15 +46,13 @@ def certify(
     print(json.dumps(found.to_dict(), indent=1) if as_json else found)
 
 
+@taking_options("shader", "uniforms", "time_limit", "size", size="480x270")
 def verify(
+    options: Options,
     image: Annotated[str | None, typer.Argument(help="An image file, or backend:NAME[:DTYPE].")] = None,
     scene: Annotated[str | None, typer.Option("--scene", help="A built-in scene's name or a TOML file.")] = None,
     changes: Changes = [],  # noqa: B006
     certificate: Annotated[Path | None, typer.Option(help="A file that certify has written, instead.")] = None,
-    shader: Shader = None,
-    uniforms: ShaderUniforms = [],  # noqa: B006
-    time_limit: TimeLimit = 60.0,
-    size: Size = "480x270",
     precision: Precision = "glsl-highp",
     intersection: Formula = "either",
     linear: Annotated[bool, typer.Option("--linear", help="The file holds linear light.")] = False,
@@ -63,10 +63,9 @@ def verify(
     from raytrace.certificates import certify as certified
     from raytrace.certificates import read_certificate
     from raytrace.certificates import verify as verified
-    from raytrace.glsl.matching import parse_uniforms
     from raytrace.image import write_image
 
-    if (image is None) == (shader is None):
+    if (image is None) == (options.shader is None):
         raise InputError("verify: give an image, or a shader with --shader")
     if (scene is None) == (certificate is None):
         raise InputError("verify: needs the image's scene (--scene), or a certificate (--certificate)")
@@ -74,12 +73,10 @@ def verify(
     if bounds is not None and changes:
         raise InputError("--set: a certificate's scene is as it is")
     known = load_scene(scene, changes) if bounds is None else bounds.scene
-    shape = size_of(size) if bounds is None else bounds.size
-    if shader is not None:
-        from raytrace.rendering import render
-
-        options = {"shader": shader, "uniforms": parse_uniforms(uniforms), "time_limit": time_limit}
-        values, kind, depth = np.asarray(render(known, shape, backend="opengl", **options)), "display", None
+    shape = options.size if bounds is None else bounds.size
+    if options.shader is not None:
+        shown = Rendering(replace(options, scene=known, size=shape, backend="opengl")).whole()
+        values, kind, depth = np.asarray(shown), "display", None
     else:
         values, kind, depth = _values(image, known, shape, linear)
     if bounds is None:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from raytrace.cli.options import progress
-from raytrace.errors import InputError, did_you_mean
+from raytrace.errors import check_choice
 
 __all__ = ["conformance"]
 
@@ -26,8 +26,7 @@ def conformance(
     from raytrace.studies.conformance import ENGINES, study
 
     for name in engine:
-        if name not in ENGINES:
-            raise InputError(f"--engine: unknown {name!r}; {did_you_mean(name, ENGINES, 'there is')}")
+        check_choice("--engine", name, ENGINES)
     total = scenes + (len(built_in_scenes()) if built_in else 0)
     with progress(total, "verifying") as advance:
         result = study(scenes, seed, built_in=built_in, engines=tuple(engine) or ENGINES, done=advance)

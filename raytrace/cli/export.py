@@ -6,11 +6,12 @@ from typing import Annotated
 import typer
 
 from raytrace.cli.options import Changes, Scene, Size, size_of
-from raytrace.errors import InputError, did_you_mean
+from raytrace.errors import check_choice
 from raytrace.export import EXPORTS
 from raytrace.files import whole_file
 from raytrace.scene import load_scene
 from raytrace.scene.toml import DEFAULT_SCENE
+from raytrace.shader.sphere import INTERSECTIONS
 
 __all__ = ["export"]
 
@@ -29,13 +30,9 @@ def export(
     data: Annotated[str, typer.Option(help="The scene's numbers as constants or uniforms (glsl).")] = "constants",
 ) -> None:
     """Write a scene as GLSL, as GLSL for ShaderLabWeb, or as a web page."""
-    for what, found, known in (
-        ("--to", to, EXPORTS),
-        ("--intersection", intersection, ("textbook", "robust")),
-        ("--data", data, ("constants", "uniforms")),
-    ):
-        if found not in known:
-            raise InputError(f"{what}: unknown {found!r}; {did_you_mean(found, known, 'there is')}")
+    check_choice("--to", to, EXPORTS)
+    check_choice("--intersection", intersection, INTERSECTIONS)
+    check_choice("--data", data, ("constants", "uniforms"))
     out = out or Path(f"{Path(scene).stem}{_ENDINGS[to]}")
     text = EXPORTS[to](load_scene(scene, changes), size_of(size), intersection=intersection, data=data)
     with whole_file(out) as temporary:

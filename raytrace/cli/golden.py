@@ -1,15 +1,16 @@
 """Commands for golden images: `golden` and `check`."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Shader, ShaderUniforms, Size, TimeLimit, progress, size_of
+from raytrace.cli.options import Size, progress, size_of, taking_options
 from raytrace.errors import InputError
-from raytrace.glsl.matching import parse_uniforms
 from raytrace.golden import backend_source, folder_source, golden_folder, golden_scenes, write_goldens, write_report
+from raytrace.rendering import Options
 
 __all__ = ["check", "golden"]
 
@@ -34,19 +35,17 @@ def golden(
     print(f"{folder}: golden images of {len(found)} scenes, {size}")
 
 
+@taking_options("dtype", "shader", "uniforms", "time_limit")
 def check(
+    options: Options,
     folder: Folder,
     backend: Annotated[
         str | None,
         typer.Option(help="The backend to check: jax, numpy, opengl or webgl; with --shader: opengl by default."),
     ] = None,
-    dtype: Annotated[str, typer.Option(help="Of the backend.")] = "float32",
     images: Annotated[
         Path | None, typer.Option(help="A folder of another renderer's images to check: NAME.png, NAME.exr, ...")
     ] = None,
-    shader: Shader = None,
-    uniforms: ShaderUniforms = [],  # noqa: B006 (typer's way)
-    time_limit: TimeLimit = 60.0,
     min_ssim: Annotated[float | None, typer.Option(help="The mean SSIM, at least; default: 0.9999.")] = None,
     max_share: Annotated[
         float | None, typer.Option(help="The share of pixels over 1/255, at most; default: 0.001.")
@@ -55,6 +54,7 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
 ) -> None:
     """Check a backend, a shader, or another renderer's images against golden images; exit code 1 if any fails."""
+    shader = options.shader
     if shader is not None and backend is None:
         backend = "opengl"
     if (images is None) == (backend is None):
@@ -63,9 +63,8 @@ def check(
     if images is not None:
         what, source = str(images), folder_source(images)
     else:
-        bound = parse_uniforms(uniforms)
-        source = backend_source(backend, dtype=dtype, shader=shader, uniforms=bound, time_limit=time_limit)
-        what = f"backend {backend} {dtype}" if shader is None else f"{shader} on {backend}"
+        source = backend_source(replace(options, backend=backend))
+        what = f"backend {backend} {options.dtype}" if shader is None else f"{shader} on {backend}"
     results = []
     with progress(len(held.goldens), "comparing") as advance:
         bounds = {"min_ssim": min_ssim, "max_share": max_share}

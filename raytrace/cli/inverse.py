@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Changes, Scene, Size, check_plot, progress, size_of
-from raytrace.errors import InputError
+from raytrace.cli.options import Changes, Scene, Size, progress, size_of
+from raytrace.errors import InputError, check_choice
+from raytrace.files import check_figure
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 
 __all__ = ["fit_sun", "gradients", "sun_trials"]
@@ -43,7 +44,8 @@ def fit_sun(
     from raytrace.inverse.plot import plot as plot_fit
     from raytrace.scene.toml import save_scene
 
-    check_plot(plot)
+    if plot:
+        check_figure(plot)
     known = scene_seen(image, scene, changes)
     try:
         with progress(steps_of(starts), "fitting") as advance:
@@ -102,8 +104,7 @@ def gradients(
 
     names = parameters or list(PARAMETERS)
     for name in names:
-        if name not in PARAMETERS:
-            raise InputError(f"parameter: unknown {name!r}; there are {', '.join(PARAMETERS)}")
+        check_choice("parameter", name, PARAMETERS)
     if worlds < 1:
         raise InputError(f"worlds: must be 1 at least, found {worlds}")
     found: dict[str, list[dict[str, Error]]] = {name: [] for name in names}

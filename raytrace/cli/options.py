@@ -1,56 +1,69 @@
 """What several commands share: options, sizes, progress."""
 
+import inspect
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import wraps
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, get_args, get_type_hints
 
 import typer
 
 from raytrace.errors import InputError
-from raytrace.rendering import check_size
+from raytrace.glsl.matching import parse_uniforms
+from raytrace.rendering import Options, check_size
 
-__all__ = [
-    "Antialias",
-    "BackendName",
-    "Changes",
-    "Dtype",
-    "ExactInputs",
-    "Intersection",
-    "Scene",
-    "Shader",
-    "ShaderUniforms",
-    "ShadowStart",
-    "Size",
-    "Skip",
-    "TimeLimit",
-    "check_plot",
-    "progress",
-    "size_of",
-]
+__all__ = ["Changes", "Scene", "Size", "progress", "size_of", "taking_options"]
 
 Scene = Annotated[str, typer.Argument(help="A built-in scene's name (see 'raytrace scenes') or a TOML file.")]
 Size = Annotated[str, typer.Option(help="WIDTHxHEIGHT in pixels.")]
 Changes = Annotated[list[str], typer.Option("--set", help="key=value, such as sun.direction=[0,1,0]; repeatable.")]
-BackendName = Annotated[str, typer.Option(help="jax, numpy, opengl or webgl.")]
-Dtype = Annotated[str, typer.Option(help="float32; jax, numpy: float64; numpy: longdouble.")]
-Intersection = Annotated[str | None, typer.Option(help="textbook or robust; default: robust in float32 only.")]
-ShadowStart = Annotated[
-    str, typer.Option(help="offset, the assignment's 1e-3 along the normal; jax, numpy: surface, which has no scale.")
-]
-Antialias = Annotated[
-    str, typer.Option(help="none, or edges: each pixel the mean over its square, along its edges too; jax, numpy.")
-]
-Shader = Annotated[
-    Path | None, typer.Option(help="Your own fragment shader, to run instead; with --backend opengl or webgl.")
-]
-ShaderUniforms = Annotated[
-    list[str], typer.Option("--uniform", help="What a uniform stands for, name=camera_position; repeatable.")
-]
-TimeLimit = Annotated[float, typer.Option(help="Seconds that your own shader may take.")]
-Skip = Annotated[bool, typer.Option("--skip/--no-skip", help="Leave out what a part of the image does not need.")]
-ExactInputs = Annotated[bool, typer.Option("--exact-inputs", help="Do not round the scene's numbers to float32.")]
+
+#: Those of `Options` that a command line has to write otherwise: their type, their default, their flags.
+_WRITTEN: dict[str, tuple[Any, Any, tuple[str, ...]]] = {
+    "size": (str, "x".join(map(str, Options.size)), ("--size",)),
+    "shader": (Path | None, None, ("--shader",)),
+    "uniforms": (list[str], [], ("--uniform",)),
+    "skip": (bool, True, ("--skip/--no-skip",)),
+    "exact_inputs": (bool, False, ("--exact-inputs",)),
+}
+
+
+def taking_options(*names: str, **defaults: Any) -> Callable[[Callable], Callable]:
+    """Decorate a command that has an argument `options`, an `Options`, so that it has a flag for each of those fields.
+
+    names: the fields. defaults: of those that have another default in this command. The scene is left to the command.
+    """
+    hints = get_type_hints(Options, include_extras=True)
+    usual = inspect.signature(Options).parameters
+
+    def parameter(name: str) -> inspect.Parameter:
+        kind, told = get_args(hints[name])
+        kind, default, flags = _WRITTEN.get(name, (kind, usual[name].default, (f"--{name.replace('_', '-')}",)))
+        default = defaults.get(name, default)
+        annotation = Annotated[kind | None if default is None else kind, typer.Option(*flags, help=told)]
+        return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+
+    def decorated(command: Callable) -> Callable:
+        @wraps(command)
+        def with_flags(**given: Any) -> None:
+            chosen = {name: given.pop(name) for name in names}
+            read = {"size": size_of, "uniforms": parse_uniforms}
+            return command(
+                options=Options(**{name: read[name](text) if name in read else text for name, text in chosen.items()}),
+                **given,
+            )
+
+        parameters = []
+        for own in inspect.signature(command).parameters.values():
+            flags = map(parameter, names) if own.name == "options" else [own]
+            parameters += [flag.replace(kind=inspect.Parameter.KEYWORD_ONLY) for flag in flags]
+        with_flags.__signature__ = inspect.Signature(parameters)  # pyright: ignore[reportAttributeAccessIssue]
+        with_flags.__annotations__ = {each.name: each.annotation for each in parameters}
+        return with_flags
+
+    return decorated
 
 
 def size_of(text: str) -> tuple[int, int]:
@@ -61,12 +74,6 @@ def size_of(text: str) -> tuple[int, int]:
         raise InputError(f"size: must be WIDTHxHEIGHT, such as 1920x1080, found {text!r}") from None
     check_size(size)
     return size
-
-
-def check_plot(path: Path | None) -> None:
-    """Before anything is measured: whether a plot can have that name."""
-    if path and path.suffix not in (".svg", ".png"):
-        raise InputError(f"{path}: the plot must be named *.svg or *.png")
 
 
 @contextmanager

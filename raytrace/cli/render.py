@@ -2,33 +2,17 @@
 
 import time
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import (
-    Antialias,
-    BackendName,
-    Changes,
-    Dtype,
-    ExactInputs,
-    Intersection,
-    Scene,
-    Shader,
-    ShaderUniforms,
-    ShadowStart,
-    Size,
-    Skip,
-    TimeLimit,
-    progress,
-    size_of,
-)
+from raytrace.cli.options import Changes, Scene, progress, taking_options
 from raytrace.cluster import cluster
 from raytrace.errors import InputError
-from raytrace.glsl.matching import parse_uniforms
 from raytrace.image import file_format, image_file
-from raytrace.rendering import Rendering
+from raytrace.rendering import Options, Rendering
 from raytrace.report import pixel_report
 from raytrace.scene import load_scene
 from raytrace.scene.toml import DEFAULT_SCENE
@@ -36,28 +20,30 @@ from raytrace.scene.toml import DEFAULT_SCENE
 __all__ = ["pixel", "render"]
 
 
+@taking_options(
+    "size",
+    "backend",
+    "dtype",
+    "samples",
+    "output",
+    "intersection",
+    "shadow_start",
+    "antialias",
+    "exact_inputs",
+    "skip",
+    "shader",
+    "uniforms",
+    "time_limit",
+    output=None,
+)
 def render(
+    options: Options,
     scene: Scene = DEFAULT_SCENE,
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="The file: .png, .exr, .tif; default: the scene's name, .png.")
     ] = None,
-    size: Size = "1920x1080",
-    backend: BackendName = "jax",
-    dtype: Dtype = "float32",
-    samples: Annotated[int, typer.Option(help="n for n x n samples a pixel.")] = 1,
-    output: Annotated[
-        str | None, typer.Option(help="display, linear or steps; default: linear for .exr, otherwise display.")
-    ] = None,
-    bits: Annotated[int | None, typer.Option(help="Bits of a channel: PNG 8, 16; EXR 16, 32; TIFF 8, 16, 32.")] = None,
     changes: Changes = [],  # noqa: B006 (typer's way)
-    intersection: Intersection = None,
-    shadow_start: ShadowStart = "offset",
-    antialias: Antialias = "none",
-    exact_inputs: ExactInputs = False,
-    skip: Skip = True,
-    shader: Shader = None,
-    uniforms: ShaderUniforms = [],  # noqa: B006
-    time_limit: TimeLimit = 60.0,
+    bits: Annotated[int | None, typer.Option(help="Bits of a channel: PNG 8, 16; EXR 16, 32; TIFF 8, 16, 32.")] = None,
     cache: Annotated[bool, typer.Option("--cache/--no-cache", help="Keep compiled programs for the next time.")] = True,
     coordinator: Annotated[
         str | None, typer.Option(help="HOST:PORT of process 0, where several processes render one image.")
@@ -71,28 +57,14 @@ def render(
     """Render a scene to an image file."""
     out = out or Path(f"{Path(scene).stem}.png")
     together = scheduled or any(value is not None for value in (coordinator, hosts, process_id))
-    if together and backend != "jax":
-        raise InputError(f"backend {backend}: only jax renders on several hosts")
+    if together and options.backend != "jax":
+        raise InputError(f"backend {options.backend}: only jax renders on several hosts")
     with (
-        _programs(backend, cache),
+        _programs(options.backend, cache),
         cluster(coordinator, hosts, process_id) if together else nullcontext(True) as writes,
     ):
-        rendering = Rendering(
-            load_scene(scene, changes),
-            size_of(size),
-            backend=backend,
-            dtype=dtype,
-            samples=samples,
-            output=output or file_format(out).output,
-            intersection=intersection,
-            shadow_start=shadow_start,
-            antialias=antialias,
-            exact_inputs=exact_inputs,
-            skip=skip,
-            shader=shader,
-            uniforms=parse_uniforms(uniforms),
-            time_limit=time_limit,
-        )
+        output = options.output or file_format(out).output
+        rendering = Rendering(replace(options, scene=load_scene(scene, changes), output=output))
         if writes:
             _to_file(rendering, out, bits)
         else:
@@ -115,7 +87,9 @@ def _to_file(rendering: Rendering, out: Path, bits: int | None) -> None:
     width, height, _ = rendering.frame
     seconds = 0.0
     with (
-        image_file(out, (width, height), output=rendering.output, bits=bits, metadata=rendering.metadata()) as file,
+        image_file(
+            out, (width, height), output=rendering.options.output, bits=bits, metadata=rendering.metadata()
+        ) as file,
         progress(height) as advance,
     ):
         compiling = time.perf_counter()
@@ -128,30 +102,19 @@ def _to_file(rendering: Rendering, out: Path, bits: int | None) -> None:
             advance(rendering.band_height)
             started = time.perf_counter()
     compiled = f", after compiling for {compiling:.2f} s" if compiling >= 0.01 else ""
-    print(f"{out}: {width}x{height}, {rendering.backend} {rendering.dtype}, rendered in {seconds:.3f} s{compiled}")
+    what = f"{width}x{height}, {rendering.options.backend} {rendering.options.dtype}"
+    print(f"{out}: {what}, rendered in {seconds:.3f} s{compiled}")
 
 
+@taking_options(
+    "size", "backend", "dtype", "intersection", "shadow_start", "exact_inputs", backend="numpy", dtype="float64"
+)
 def pixel(
+    options: Options,
     scene: Scene,
     x: Annotated[int, typer.Argument(help="Column, from 0 on the left.")],
     y: Annotated[int, typer.Argument(help="Row, from 0 on top.")],
-    size: Size = "1920x1080",
-    backend: BackendName = "numpy",
-    dtype: Dtype = "float64",
     changes: Changes = [],  # noqa: B006
-    intersection: Intersection = None,
-    shadow_start: ShadowStart = "offset",
-    exact_inputs: ExactInputs = False,
 ) -> None:
     """Print every step of the shader at one pixel, beside its line of GLSL."""
-    rendering = Rendering(
-        load_scene(scene, changes),
-        size_of(size),
-        backend=backend,
-        dtype=dtype,
-        output="steps",
-        intersection=intersection,
-        shadow_start=shadow_start,
-        exact_inputs=exact_inputs,
-    )
-    print(pixel_report(rendering, x, y))
+    print(pixel_report(Rendering(replace(options, scene=load_scene(scene, changes), output="steps")), x, y))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from raytrace.errors import InputError, did_you_mean
+from raytrace.errors import check_choice
 
 if TYPE_CHECKING:
     from raytrace.comparison.result import Comparison
@@ -43,8 +43,7 @@ def failures(comparison: "Comparison", bounds: Mapping[str, float | int]) -> lis
     """
     failed = []
     for name, limit in bounds.items():
-        if name not in BOUNDS:
-            raise InputError(f"unknown bound {name!r}; {did_you_mean(name, BOUNDS, 'there is')}")
+        check_choice("bound", name, BOUNDS)
         what, least, value = BOUNDS[name]
         found = value(comparison)
         # Not `found < limit`: that is False of NaN.

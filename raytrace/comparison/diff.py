@@ -7,8 +7,7 @@ import numpy as np
 
 from raytrace.comparison.metrics import LEVEL
 from raytrace.comparison.result import Comparison
-from raytrace.errors import InputError
-from raytrace.files import whole_file
+from raytrace.files import check_figure, save_figure
 
 __all__ = ["write_diff"]
 
@@ -26,12 +25,8 @@ def write_diff(path: str | Path, comparison: Comparison) -> None:
     Raises:
         InputError: the file's ending is not .png, or it cannot be written.
     """
-    path = Path(path)
-    if path.suffix.lower() != ".png":
-        raise InputError(f"{path}: the picture of a comparison is a .png file")
-    with whole_file(path) as temporary:
-        # Without the version of the library, so that the same comparison gives the same file.
-        _figure(comparison).savefig(temporary, format="png", dpi=_DOTS, metadata={"Software": None})
+    check_figure(path, (".png",))
+    save_figure(_figure(comparison), path, _DOTS)
 
 
 def _figure(comparison: Comparison) -> Any:

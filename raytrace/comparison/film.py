@@ -3,9 +3,8 @@
 import numpy as np
 
 from raytrace.language.glsl import Vec3
-from raytrace.language.tree import tree_map
 from raytrace.scene.data import Scene
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.uniforms import program_of, rounded, uniforms_of
 from raytrace.shader.film import develop
 from raytrace.shader.uniforms import FilmUniforms, Program
 
@@ -20,8 +19,7 @@ _GREYS = np.concatenate([[0.0], np.geomspace(1e-7, 1e5, 1 << 14)])
 
 def film_of(scene: Scene) -> tuple[FilmUniforms, Program]:
     """The film's numbers, rounded to float32 as every renderer is given them, and its program."""
-    film = uniforms_of(scene, 1.0).film
-    return tree_map(lambda x: np.asarray(x, np.float32).astype(np.float64), film), program_of(scene, "textbook")
+    return rounded(uniforms_of(scene, 1.0).film), program_of(scene, "textbook")
 
 
 def developed(linear: np.ndarray, film: FilmUniforms, program: Program) -> np.ndarray:

@@ -7,7 +7,7 @@ from itertools import permutations
 import numpy as np
 
 from raytrace.comparison.film import NEUTRAL, developed, undeveloped
-from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
+from raytrace.shader.film import TONE_MAPPERS, TRANSFERS, named
 from raytrace.shader.uniforms import FilmUniforms, Program
 
 __all__ = ["channel_mistakes", "film_mistakes"]
@@ -39,19 +39,20 @@ def film_mistakes(
     if linear is None:
         return
 
-    def with_(film: FilmUniforms = film, **changes: Callable) -> Callable[[], np.ndarray]:
+    def with_(film: FilmUniforms = film, **changes: str | Callable) -> Callable[[], np.ndarray]:
         return lambda: developed(linear, film, replace(program, **changes))
 
-    mapper, transfer, none = program.tone_mapper, program.transfer, TRANSFERS["none"]
-    yield "without the transfer function (gamma missing)", with_(transfer=none)
-    yield "with the transfer function twice (gamma twice)", with_(transfer=lambda x: transfer(transfer(x)))
-    for name, other in TRANSFERS.items():
-        if other not in (transfer, none):
-            yield f"with the transfer function {name} for {_name(transfer, TRANSFERS)}", with_(transfer=other)
-    yield "without the tone mapper", with_(tone_mapper=TONE_MAPPERS["none"])
-    for name, other in TONE_MAPPERS.items():
-        if other not in (mapper, TONE_MAPPERS["none"]):
-            yield f"with the tone mapper {name} for {_name(mapper, TONE_MAPPERS)}", with_(tone_mapper=other)
+    mapper = program.tone_mapper if isinstance(program.tone_mapper, str) else "the scene's own"
+    curve = named(TRANSFERS, program.transfer)
+    yield "without the transfer function (gamma missing)", with_(transfer="none")
+    yield "with the transfer function twice (gamma twice)", with_(transfer=lambda x: curve(curve(x)))
+    for name in TRANSFERS:
+        if name not in (program.transfer, "none"):
+            yield f"with the transfer function {name} for {program.transfer}", with_(transfer=name)
+    yield "without the tone mapper", with_(tone_mapper="none")
+    for name in TONE_MAPPERS:
+        if name not in (mapper, "none"):
+            yield f"with the tone mapper {name} for {mapper}", with_(tone_mapper=name)
     yield "linear light, not developed (linear for display)", lambda: np.clip(linear, 0, max(1, b.max()))
     yield "developed twice (display for linear)", lambda: developed(a, film, program)
 
@@ -77,7 +78,3 @@ def _exposure(linear: np.ndarray, film: FilmUniforms, program: Program, b: np.nd
 
     start = min(range(-_STOPS, _STOPS + 1, 2), key=error)
     return float(2 ** minimize_scalar(error, bounds=(start - 2, start + 2), method="bounded").x)
-
-
-def _name(function: Callable, known: dict[str, Callable]) -> str:
-    return next((name for name, other in known.items() if other is function), "the scene's own")

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from raytrace.comparison.film import developed, film_of
-from raytrace.errors import InputError, did_you_mean
+from raytrace.errors import InputError, check_choice
 from raytrace.image import Depth, file_format, read_depth, read_image, read_metadata
-from raytrace.image.depth import FLOAT32, depth_of_dtype, values_of
+from raytrace.image.depth import FLOAT32, array_of, depth_of_dtype, values_of
 from raytrace.image.formats import FORMATS
-from raytrace.rendering import Rendering
-from raytrace.scene import Scene, load_scene
-from raytrace.scene.toml import scene_from_toml
+from raytrace.rendering import Options, Rendering
+from raytrace.scene import Scene
+from raytrace.scene.toml import as_scene, scene_from_toml
 
 __all__ = ["KINDS", "NotFinite", "Picture", "comparable", "finite", "read_picture", "rendering_of", "usual_kind"]
 
@@ -56,8 +56,7 @@ def comparable(
     file cannot hold is no difference. The scene is the one given, or else that of the first file that tells.
     The arguments are those of `raytrace.compare`, which says what is raised.
     """
-    if scene is not None and not isinstance(scene, Scene):
-        scene = load_scene(scene)
+    scene = None if scene is None else as_scene(scene)
     names = names or tuple(_name(source, letter) for source, letter in zip(sources, "AB", strict=True))
     found = [
         None if _is_backend(source) else read_picture(source, name, kind, with_scene=scene is None)
@@ -87,7 +86,7 @@ def rendering_of(text: str, scene: Scene | str | Path, size: tuple[int, int]) ->
         InputError: there is no such backend or arithmetic, or it cannot run here.
     """
     backend, _, dtype = text.removeprefix(_BACKEND).partition(":")
-    return Rendering(scene, size, backend=backend, dtype=dtype or "float32")
+    return Rendering(Options(scene, size, backend=backend, dtype=dtype or "float32"))
 
 
 def _is_backend(source: Any) -> bool:
@@ -118,8 +117,8 @@ def read_picture(source: Any, name: str, kind: str | None, with_scene: bool) -> 
     Raises:
         InputError: there is no such image, or its values are not finite.
     """
-    if kind is not None and kind not in KINDS:
-        raise InputError(f"{name}: unknown kind of values {kind!r}; {did_you_mean(kind, KINDS, 'there is')}")
+    if kind is not None:
+        check_choice(f"{name}: kind of values", kind, KINDS)
     if not isinstance(source, str | Path):
         return Picture(name, _checked(source, name), kind or "display", _depth(source), None)
     image, metadata, depth = read_image(source), read_metadata(source), read_depth(source)
@@ -155,9 +154,7 @@ def _scene_in(metadata: Mapping[str, str], name: str) -> Scene | None:
 
 
 def _checked(image: Any, name: str) -> np.ndarray:
-    array = np.asarray(image)
-    if array.ndim != 3 or array.shape[2] != 3 or not array.size:
-        raise InputError(f"{name}: an image is an array (height, width, 3), found {array.shape}")
+    array = array_of(image, name)
     try:
         return finite(values_of(array), name)
     except NotFinite:

@@ -13,7 +13,8 @@ from raytrace.comparison.inputs import finite, rendering_of
 from raytrace.comparison.metrics import pixels_over, similarity
 from raytrace.errors import EngineFailure, InputError
 from raytrace.rendering import check_size
-from raytrace.scene import Scene, load_scene
+from raytrace.scene import Scene
+from raytrace.scene.toml import as_scene
 
 __all__ = ["Matrix", "matrix"]
 
@@ -70,8 +71,7 @@ def matrix(scene: Scene | str | Path, size: tuple[int, int] = (1920, 1080)) -> M
         InputError: the scene or the size is wrong.
     """
     check_size(size)
-    if not isinstance(scene, Scene):
-        scene = load_scene(scene)
+    scene = as_scene(scene)
     images, missing = {}, {}
     for label, source in _sources().items():
         try:

@@ -58,8 +58,8 @@ def _drawn(uniforms: Uniforms, program: Program, pivot: np.ndarray) -> dict[str,
     values = values_of(uniforms)
     distance = float(np.linalg.norm(values["camPos"] - pivot)) or 1.0
     fragments = {}
-    for name, function in TONE_MAPPERS.items():
-        choices = choices_of(uniforms, replace(program, tone_mapper=function), data="uniforms", output="steps")
+    for name in TONE_MAPPERS:
+        choices = choices_of(uniforms, replace(program, tone_mapper=name), data="uniforms", output="steps")
         fragments[name] = with_views(shader_text(choices, values), distance)
     flat, textures = bindings(choices, values)
     return {

@@ -10,7 +10,6 @@ from raytrace.language.control import count
 from raytrace.language.glsl import Vec3
 from raytrace.language.tree import tree_leaves
 from raytrace.scene.data import Checkerboard
-from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
 from raytrace.shader.uniforms import Plane, Program, Uniforms
 
 __all__ = ["Choices", "choices_of"]
@@ -85,6 +84,8 @@ def choices_of(
         raise InputError(
             f"shadow_start: only 'offset', the assignment's, is written in GLSL, found {program.shadow_start!r}"
         )
+    if not isinstance(program.tone_mapper, str) or not isinstance(program.transfer, str):
+        raise InputError("film.tone_mapper: a Python function cannot be written in GLSL")
     return Choices(
         spheres=count(uniforms.spheres),
         planes=planes,
@@ -94,8 +95,8 @@ def choices_of(
         orthographic=program.orthographic,
         patterned=program.patterned,
         printed_checkerboard=data == "constants" and program.patterned and _printed(uniforms.planes),
-        tone_mapper=_name(program.tone_mapper, TONE_MAPPERS),
-        transfer=_name(program.transfer, TRANSFERS),
+        tone_mapper=program.tone_mapper,
+        transfer=program.transfer,
         exposure=uniforms.film.exposure is not None,
         white_balance=uniforms.film.white_balance is not None,
         data=data,
@@ -103,13 +104,6 @@ def choices_of(
         samples=samples,
         size=size if samples > 1 else (1, 1),
     )
-
-
-def _name(function: object, functions: dict[str, object]) -> str:
-    for name, known in functions.items():
-        if function is known:
-            return name
-    raise InputError("film.tone_mapper: a Python function cannot be written in GLSL")
 
 
 def _printed(planes: Plane) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.errors import InputError, did_you_mean
+from raytrace.errors import InputError, did_you_mean, unknown
 from raytrace.glsl.declarations import sphere_texture
 from raytrace.glsl.meanings import MEANINGS, meaning_of, meanings
 from raytrace.glsl.values import flat_values
@@ -86,7 +86,7 @@ def _given(value: Any, known: dict[str, np.ndarray], where: str) -> tuple[np.nda
     if isinstance(value, str):
         meaning = meaning_of(value)
         if meaning is None:
-            raise InputError(f"{where}: unknown value {value!r}; {did_you_mean(value, MEANINGS, 'there is')}")
+            raise InputError(f"{where}: {unknown(value, MEANINGS)}")
         if meaning not in known:
             raise InputError(f"{where}: the scene has no {meaning}")
         return known[meaning], meaning

@@ -1,7 +1,7 @@
 """Golden images against those of another renderer."""
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from raytrace.golden.golden import BOUNDS, Golden
 from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest
 from raytrace.golden.writing import ACCEPTANCE, DISPLAY
 from raytrace.image.formats import FORMATS
-from raytrace.rendering import Rendering
+from raytrace.rendering import Options, Rendering
 from raytrace.scene import scene_hash
 from raytrace.scene.toml import scene_from_toml
 
@@ -135,11 +135,11 @@ def golden_folder(folder: str | Path) -> GoldenFolder:
     return GoldenFolder(tuple(goldens), broken, tuple(extra), certified)
 
 
-def backend_source(backend: str, **options: Any) -> Source:
-    """Renders each golden image's scene with a backend, or with somebody's shader on it; see `raytrace.render`."""
+def backend_source(options: Options) -> Source:
+    """Return what renders each golden image's scene with a backend, or with a user's shader on it."""
 
     def source(golden: Golden) -> Any:
-        return Rendering(golden.scene, golden.size, backend=backend, **options).whole()
+        return Rendering(replace(options, scene=golden.scene, size=golden.size)).whole()
 
     return source
 

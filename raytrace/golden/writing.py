@@ -17,7 +17,7 @@ from raytrace.files import reason
 from raytrace.golden.golden import SIZE, rendered
 from raytrace.golden.manifest import MANIFEST, Entry, Manifest, file_hash, read_manifest
 from raytrace.image import write_image
-from raytrace.rendering import Rendering
+from raytrace.rendering import Options, Rendering
 from raytrace.report import uniforms_report
 from raytrace.scene import Scene, scene_hash, scene_toml, scenes
 from raytrace.shader.specification import SPECIFICATION
@@ -65,7 +65,7 @@ def write_goldens(
 def _write_scene(folder: Path, name: str, scene: Scene, size: tuple[int, int]) -> Mapping[str, np.ndarray]:
     """Writes the images of a scene; gives the steps that they are of."""
     steps = rendered(scene, size)
-    rendering = Rendering(scene, size, backend="numpy", dtype="float64")
+    rendering = Rendering(Options(scene, size, backend="numpy", dtype="float64"))
     metadata = rendering.metadata()
     for ending, output in ((".linear.exr", "linear"), (DISPLAY, "display"), (".png", "display")):
         write_image(folder / f"{name}{ending}", steps[output], output=output, metadata=metadata | {"output": output})

@@ -7,7 +7,7 @@ import numpy as np
 
 from raytrace.errors import InputError
 
-__all__ = ["FLOAT32", "Depth", "coarsest_depth", "depth_of_dtype", "values_of"]
+__all__ = ["FLOAT32", "Depth", "array_of", "coarsest_depth", "depth_of_dtype", "values_of"]
 
 #: The binary floats of IEEE 754, by their bits: digits, smallest exponent of a normal number, largest number.
 _FLOATS = {
@@ -96,6 +96,18 @@ def depth_of_dtype(dtype: Any) -> Depth:
             f"white, found {dtype}"
         )
     return Depth(min(8 * dtype.itemsize, 64), dtype.kind == "f")
+
+
+def array_of(image: Any, name: str = "image") -> np.ndarray:
+    """Return an image as an array (height, width, 3); `name` begins the message where it is none.
+
+    Raises:
+        InputError: it has another shape, or no pixels.
+    """
+    array = np.asarray(image)
+    if array.ndim != 3 or array.shape[2] != 3 or not array.size:
+        raise InputError(f"{name}: an image is an array (height, width, 3), found {array.shape}")
+    return array
 
 
 def values_of(image: Any) -> np.ndarray:

@@ -9,6 +9,7 @@ import numpy as np
 
 from raytrace.errors import InputError
 from raytrace.files import whole_file
+from raytrace.image.depth import array_of
 from raytrace.image.formats import attributes, file_format
 from raytrace.image.layers import STEP_CHANNELS, step_channels
 from raytrace.image.messages import quiet, told
@@ -114,9 +115,7 @@ def write_image(
             raise InputError(f"{path}: steps are a dict of {', '.join(COMPONENTS)}, found {', '.join(image) or 'none'}")
         output, (height, width) = "steps", np.shape(image["t"])
     else:
-        array = np.asarray(image)
-        if array.ndim != 3 or array.shape[2] != 3:
-            raise InputError(f"{path}: an image is an array (height, width, 3), found {array.shape}")
+        array = array_of(image, str(path))
         if array.dtype.kind != "f":
             raise InputError(f"{path}: an image's values are floats, with 1 for white, found {array.dtype}")
         if output not in ("display", "linear"):

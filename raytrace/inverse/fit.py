@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.errors import InputError
+from raytrace.errors import InputError, check_choice
 from raytrace.inverse.explaining import Course, End, explained
 from raytrace.inverse.picture import EDGES, Target, target_of
 from raytrace.inverse.posterior import degrees_between, quantile
@@ -136,8 +136,8 @@ def fitted_scene(scene: Scene, fit: SunFit) -> Scene:
 
 def _sampling(samples: int | None, antialias: str | None) -> int | str | None:
     """How pixels were made, as it is given; ``None`` where it is not."""
-    if antialias not in (None, "none", EDGES):
-        raise InputError(f"antialias: unknown {antialias!r}; there is: none, {EDGES}")
+    if antialias is not None:
+        check_choice("antialias", antialias, ("none", EDGES))
     if samples is not None and not (isinstance(samples, int) and 1 <= samples <= MOST_SAMPLES):
         raise InputError(f"samples: must be a whole number from 1 to {MOST_SAMPLES}, found {samples!r}")
     if antialias == EDGES:

@@ -12,7 +12,7 @@ from raytrace.comparison.inputs import finite, read_picture
 from raytrace.errors import InputError
 from raytrace.image import read_metadata
 from raytrace.scene.data import Scene
-from raytrace.scene.toml import DEFAULT_SCENE, load_scene, scene_from_toml
+from raytrace.scene.toml import DEFAULT_SCENE, as_scene, load_scene, scene_from_toml
 
 __all__ = ["EDGES", "Target", "scene_seen", "target_of"]
 
@@ -49,8 +49,9 @@ def target_of(image: Any, scene: Scene | str | Path | None, kind: str | None = N
     """
     name = str(image) if isinstance(image, str | Path) else "image"
     is_file = isinstance(image, str | Path)
-    if not isinstance(scene, Scene):
-        scene = scene_seen(Path(image), scene) if is_file else load_scene(scene or DEFAULT_SCENE)
+    if scene is None and is_file:
+        scene = scene_seen(Path(image), None)
+    scene = as_scene(DEFAULT_SCENE if scene is None else scene)
     source, levels = (image, None) if is_file else _floats(image)
     picture = read_picture(source, name, kind, with_scene=False)
     if min(picture.values.shape[:2]) < SMALLEST:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.files import whole_file
+from raytrace.files import save_figure
 from raytrace.inverse.fit import SunFit
 
 __all__ = ["figure", "plot"]
@@ -17,8 +17,7 @@ def plot(fit: SunFit, path: Path) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    with whole_file(path) as temporary:
-        figure(fit).savefig(temporary, format=path.suffix[1:], dpi=100)
+    save_figure(figure(fit), path)
 
 
 def figure(fit: SunFit) -> Any:

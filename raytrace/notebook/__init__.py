@@ -7,7 +7,8 @@ from raytrace.errors import InputError
 from raytrace.notebook.exercise import Answer, check
 from raytrace.notebook.pictures import Pictures, pictures, png
 from raytrace.rendering import check_size
-from raytrace.scene import Scene, load_scene
+from raytrace.scene import Scene
+from raytrace.scene.toml import as_scene
 
 if TYPE_CHECKING:
     from raytrace.notebook.widget import View
@@ -31,7 +32,7 @@ def view(scene: Scene | str | Path = "checkerboard", size: tuple[int, int] = (64
     check_size(size)
     if samples not in SAMPLES:
         raise InputError(f"samples: must be 1, 2, 4 or 8, found {samples!r}")
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    scene = as_scene(scene)
     try:
         from raytrace.notebook.widget import View
     except ModuleNotFoundError as error:

@@ -12,7 +12,8 @@ from raytrace.errors import InputError
 from raytrace.golden.golden import BOUNDS
 from raytrace.notebook.pictures import pictures
 from raytrace.rendering import render
-from raytrace.scene import Scene, load_scene
+from raytrace.scene import Scene
+from raytrace.scene.toml import as_scene
 
 __all__ = ["Answer", "check"]
 
@@ -52,7 +53,7 @@ def check(image: Any, scene: Scene | str | Path) -> Answer:
     Raises:
         InputError: there is no such scene.
     """
-    scene = scene if isinstance(scene, Scene) else load_scene(scene)
+    scene = as_scene(scene)
     mine = np.asarray(image, dtype=np.float64)
     if mine.ndim != 3 or mine.shape[2] != 3:
         return Answer(False, f"an image has the shape (height, width, 3), this one {mine.shape}")

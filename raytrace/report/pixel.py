@@ -72,7 +72,7 @@ def pixel_report(rendering: Rendering, x: int, y: int) -> str:
     seen = "sky" if index < 0 else f"sphere {index}" if index < spheres else f"plane {index - spheres}"
     glsl = _camera_lines(scene) | (_sky_lines() if index < 0 else _surface_lines(scene, index)) | _film_line(scene)
     width, height, _ = rendering.frame
-    lines = [f"pixel {x} {y} of {width}x{height}, {rendering.backend} {rendering.dtype}: {seen}"]
+    lines = [f"pixel {x} {y} of {width}x{height}, {rendering.options.backend} {rendering.options.dtype}: {seen}"]
     for name in (name for name in COMPONENTS if name in glsl):
         lines += ["", f"{name:9} {glsl[name]}"]
         for axis, number in zip("xyz", np.atleast_1d(steps[name]), strict=False):

@@ -2,54 +2,16 @@
 
 import sys
 from dataclasses import fields, replace
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
 from raytrace.errors import InputError
-from raytrace.scene.data import (
-    Checkerboard,
-    Film,
-    MatrixCamera,
-    OrthographicCamera,
-    PerspectiveCamera,
-    Plain,
-    Plane,
-    Scene,
-    Sky,
-    Spheres,
-    Sun,
-)
+from raytrace.scene.data import PATTERNS, Film, Plane, Scene, Spheres
 from raytrace.scene.document import document_of, scene_of
-from raytrace.scene.rules import COORDINATE, INTENSITY, POSITIVE
+from raytrace.scene.kinds import Kind
 
 __all__ = ["check_scene", "check_structure", "is_traced"]
-
-_SECTIONS = {
-    "spheres": (Spheres,),
-    "planes": (tuple,),
-    "sun": (Sun,),
-    "sky": (Sky,),
-    "camera": (PerspectiveCamera, OrthographicCamera, MatrixCamera),
-    "film": (Film,),
-}
-#: One record of each class, for the shapes of its arrays.
-_TEMPLATES = {
-    type(record): record
-    for record in (
-        Plane(),
-        Checkerboard(),
-        Plain([0, 0, 0]),
-        Sun(),
-        Sky(),
-        Film(),
-        PerspectiveCamera(),
-        OrthographicCamera(1),
-        MatrixCamera(np.eye(4), np.eye(4)),
-    )
-}
-#: The shape of one sphere's entry in each array, and its rules.
-_SPHERES = {"center": ((3,), COORDINATE), "radius": ((), POSITIVE), "color": ((3,), INTENSITY)}
 
 
 def check_scene(scene: Scene, where: str = "scene") -> None:
@@ -76,46 +38,50 @@ def check_structure(scene: Scene, where: str = "scene") -> None:
 
 
 def _check_sections(scene: Scene, where: str) -> None:
-    for name, kinds in _SECTIONS.items():
-        if not isinstance(getattr(scene, name), kinds):
-            found = type(getattr(scene, name)).__name__
-            expected = " or ".join(kind.__name__ for kind in kinds)
-            raise InputError(f"{where}: {name}: must be a {expected}, found {found}")
-    count = np.shape(scene.spheres.radius)
-    if len(count) != 1:
-        raise InputError(f"{where}: spheres.radius: must be of shape (n,), found {count}")
-    for name, (shape, _) in _SPHERES.items():
-        _check_shape(getattr(scene.spheres, name), count + shape, f"{where}: spheres.{name}")
-    for i, plane in enumerate(scene.planes):
-        if not isinstance(plane, Plane) or not isinstance(plane.pattern, Checkerboard | Plain):
-            raise InputError(f"{where}: planes[{i}]: must be a Plane with a Checkerboard or Plain pattern")
-        _check_record(plane, f"{where}: planes[{i}]")
-        _check_record(plane.pattern, f"{where}: planes[{i}].pattern")
-    for name in ("sun", "sky", "camera", "film"):
-        _check_record(getattr(scene, name), f"{where}: {name}")
+    for name, kinds in get_type_hints(Scene).items():
+        part, path = getattr(scene, name), f"{where}: {name}"
+        if name == "spheres":
+            _check_class(part, (Spheres,), path)
+            if np.ndim(part.radius) != 1:
+                raise InputError(f"{path}.radius: must be of shape (n,), found {np.shape(part.radius)}")
+            _check_shapes(part, path, np.shape(part.radius))
+        elif name == "planes":
+            _check_class(part, (tuple,), path)
+            for i, plane in enumerate(part):
+                _check_class(plane, (Plane,), f"{path}[{i}]")
+                _check_class(plane.pattern, tuple(PATTERNS.values()), f"{path}[{i}].pattern")
+                _check_shapes(plane, f"{path}[{i}]")
+                _check_shapes(plane.pattern, f"{path}[{i}].pattern")
+        elif name != "lighting":
+            _check_class(part, get_args(kinds) or (kinds,), path)
+            _check_shapes(part, path)
 
 
-def _check_record(record: Any, path: str) -> None:
-    """Each array of the record has the shape that its class gives it."""
-    template = _TEMPLATES[type(record)]
-    for entry in fields(record):
-        expected = getattr(template, entry.name)
-        if isinstance(expected, np.ndarray):
-            _check_shape(getattr(record, entry.name), expected.shape, f"{path}.{entry.name}")
+def _check_class(part: Any, kinds: tuple[type, ...], path: str) -> None:
+    if not isinstance(part, kinds):
+        expected = " or ".join(kind.__name__ for kind in kinds)
+        raise InputError(f"{path}: must be a {expected}, found {type(part).__name__}")
 
 
-def _check_shape(value: Any, shape: tuple[int, ...], path: str) -> None:
-    if not hasattr(value, "shape"):
-        raise InputError(f"{path}: must be an array of numbers, found {type(value).__name__}")
-    if value.shape != shape:
-        raise InputError(f"{path}: must be of shape {shape}, found {value.shape}")
+def _check_shapes(record: Any, path: str, count: tuple[int, ...] = ()) -> None:
+    """Check that each array has the shape of its kind; count: (n,) for n of them."""
+    for name, kind in _kinds(record).items():
+        value, shape = getattr(record, name), (*count, *kind.shape)
+        if not hasattr(value, "shape"):
+            raise InputError(f"{path}.{name}: must be an array of numbers, found {type(value).__name__}")
+        if value.shape != shape:
+            raise InputError(f"{path}.{name}: must be of shape {shape}, found {value.shape}")
+
+
+def _kinds(record: Any) -> dict[str, Kind]:
+    return {entry.name: entry.metadata["kind"] for entry in fields(record) if "kind" in entry.metadata}
 
 
 def _check_spheres(spheres: Spheres, where: str) -> None:
     """All spheres at once: there may be a million."""
-    for name, (_, rules) in _SPHERES.items():
+    for name, kind in _kinds(spheres).items():
         values = np.asarray(getattr(spheres, name))
-        for rule in rules:
+        for rule in kind.rules:
             wrong = np.argwhere(~np.asarray(rule.holds(values)))
             if len(wrong):
                 first, *component = wrong[0].tolist()

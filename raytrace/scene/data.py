@@ -7,15 +7,32 @@ become NumPy float64 arrays; arrays, traced ones included, are kept as they are.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields, replace
-from typing import Any, Literal, TypeAlias
+from dataclasses import MISSING, dataclass, field, fields, replace
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 
 from raytrace.errors import InputError
+from raytrace.scene.kinds import (
+    ANGLE,
+    COLOR,
+    DIRECTION,
+    EXPOSURE,
+    LENGTH,
+    MATRIX,
+    POINT,
+    SHORTEST,
+    Kind,
+    white_point,
+)
+from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
 from raytrace.showing import PNG
 
 __all__ = [
+    "CAMERAS",
+    "NODES",
+    "PATTERNS",
+    "TAGS",
     "Camera",
     "Checkerboard",
     "Film",
@@ -39,15 +56,44 @@ Matrix: TypeAlias = Any  # shape (4, 4)
 Numbers: TypeAlias = Any  # shape (n,)
 Vectors: TypeAlias = Any  # shape (n, 3)
 
-_STATIC = {"static": True}
+T = TypeVar("T")
+
+#: A camera that looks along its own up, as far as can be told, has no sideways; the sine of the angle between them.
+LEAST_SINE = 1e-9
 NODES: list[type] = []
 
 
-def _node(cls: type) -> type:
-    """A frozen dataclass, and a JAX pytree; see `raytrace.scene.pytree`."""
+def _node(cls: type[T]) -> type[T]:
+    """Make a frozen dataclass, which is a JAX pytree (`raytrace.scene.pytree`); its docstring names the fields."""
     cls = dataclass(frozen=True, eq=False)(cls)
+    told = [
+        f"{entry.name}: {entry.metadata['words']}{of}."
+        for entry in fields(cls)
+        for of in [f"; {entry.metadata['kind']}" if "kind" in entry.metadata else ""]
+    ]
+    cls.__doc__ = "\n    ".join([f"{cls.__doc__}\n", *told])
     NODES.append(cls)
     return cls
+
+
+def _numbers(kind: Kind, words: str, default: Any = MISSING) -> Any:
+    """A field of numbers of that kind."""
+    return field(default=default, metadata={"kind": kind, "words": words})
+
+
+def _array(kind: Kind, words: str) -> Any:
+    """A field of n such numbers, by default none."""
+    return field(default_factory=lambda: np.zeros((0, *kind.shape)), metadata={"kind": kind, "words": words})
+
+
+def _record(words: str, default: Callable[[], Any]) -> Any:
+    """A field of other records."""
+    return field(default_factory=default, metadata={"words": words})
+
+
+def _static(words: str, default: Any, **what: Any) -> Any:
+    """A field that is a part of a scene's structure; what: its `choices`, or the function that reads it."""
+    return field(default=default, metadata={"static": True, "words": words, **what})
 
 
 def _as_array(value: Any, name: str) -> Any:
@@ -77,6 +123,10 @@ class _Record:
 
     __hash__ = None
 
+    def problem(self) -> str | None:
+        """Return what is wrong with the fields together, each of which is right; ``None`` if nothing."""
+        return None
+
     def __post_init__(self):
         for entry in fields(self):
             if not entry.metadata.get("static"):
@@ -90,94 +140,116 @@ class _Record:
 
 @_node
 class Spheres(_Record):
-    """An array of n spheres: centres, radii (positive) and linear RGB colours (not negative)."""
+    """An array of n spheres: numbers of shape (n, 3), (n,) and (n, 3)."""
 
-    center: Vectors = field(default_factory=lambda: np.zeros((0, 3)))
-    radius: Numbers = field(default_factory=lambda: np.zeros(0))
-    color: Vectors = field(default_factory=lambda: np.zeros((0, 3)))
+    center: Vectors = _array(POINT, "the centres")
+    radius: Numbers = _array(LENGTH, "the radii")
+    color: Vectors = _array(COLOR, "linear RGB colours")
 
 
 @_node
 class Checkerboard(_Record):
-    """The assignment's pattern: tiles of `tile_size` in world x and z, a line in the middle of each axis."""
+    """The assignment's pattern: tiles in world x and z, a line in the middle of each axis."""
 
-    tile_size: Number = 0.5
-    even: Vector = (1.0, 1.0, 1.0)
-    odd: Vector = (0.1, 0.1, 0.1)
-    line: Vector = (1.0, 0.8, 0.4)
+    tile_size: Number = _numbers(LENGTH, "the side of a tile", 0.5)
+    even: Vector = _numbers(COLOR, "linear RGB of one half of the tiles", (1.0, 1.0, 1.0))
+    odd: Vector = _numbers(COLOR, "linear RGB of the other half", (0.1, 0.1, 0.1))
+    line: Vector = _numbers(COLOR, "linear RGB of the two lines", (1.0, 0.8, 0.4))
 
 
 @_node
 class Plain(_Record):
-    """One linear RGB colour."""
+    """One colour."""
 
-    color: Vector
+    color: Vector = _numbers(COLOR, "linear RGB")
 
 
 @_node
 class Plane(_Record):
-    """The plane through `point` with `normal`, of any length and never flipped towards the viewer.
+    """A plane, whose normal is never flipped towards the viewer."""
 
-    `casts_shadow` is an extension: in the assignment only spheres do.
-    """
-
-    point: Vector = (0.0, -0.5, 0.0)
-    normal: Vector = (0.0, 1.0, 0.0)
-    pattern: Checkerboard | Plain = field(default_factory=Checkerboard)
-    casts_shadow: bool = field(default=False, metadata=_STATIC)
+    point: Vector = _numbers(POINT, "a point of it", (0.0, -0.5, 0.0))
+    normal: Vector = _numbers(DIRECTION, "its normal, of any length", (0.0, 1.0, 0.0))
+    pattern: Checkerboard | Plain = _record("its colours", Checkerboard)
+    casts_shadow: bool = _static("an extension: in the assignment only spheres cast shadows", False)
 
 
 @_node
 class Sun(_Record):
-    """`direction` points to the sun and may have any length but 0; `color` is linear RGB, HDR."""
+    """The sun, infinitely far away."""
 
-    direction: Vector = (1.0, 0.75, 1.0)
-    color: Vector = (1.64, 1.27, 0.99)
+    direction: Vector = _numbers(DIRECTION, "towards the sun, of any length", (1.0, 0.75, 1.0))
+    color: Vector = _numbers(COLOR, "linear RGB, HDR", (1.64, 1.27, 0.99))
 
 
 @_node
 class Sky(_Record):
-    """Linear RGB colours at the horizon, overhead, and below the horizon."""
+    """The sky's colours, linear RGB."""
 
-    low: Vector = (0.36, 0.45, 0.57)
-    high: Vector = (0.14, 0.21, 0.49)
-    void: Vector = (0.025, 0.05, 0.075)
+    low: Vector = _numbers(COLOR, "at the horizon", (0.36, 0.45, 0.57))
+    high: Vector = _numbers(COLOR, "overhead", (0.14, 0.21, 0.49))
+    void: Vector = _numbers(COLOR, "below the horizon", (0.025, 0.05, 0.075))
+
+
+def _misplaced(camera: Any) -> str | None:
+    """What is wrong with a camera that stands at `position` and looks at `target`, or ``None``."""
+    forward = np.subtract(camera.target, camera.position)
+    if not forward.any():
+        return "position and target must not be the same point"
+    if np.linalg.norm(forward) < SHORTEST:
+        return f"position and target must be at least {SHORTEST:.3g} apart"
+    up = np.array(camera.up)
+    if np.linalg.norm(np.cross(forward / np.linalg.norm(forward), up / np.linalg.norm(up))) < LEAST_SINE:
+        return "must not look along up; choose another target or up"
+    if camera.near >= camera.far:
+        return f"near must be less than far, found {camera.near!r} and {camera.far!r}"
+    return None
 
 
 @_node
 class PerspectiveCamera(_Record):
-    """The camera of ShaderLabWeb: `field_of_view` is vertical and in degrees. `near` and `far` never clip."""
+    """The camera of ShaderLabWeb."""
 
-    position: Vector = (0.0, 0.5, 2.0)
-    target: Vector = (0.0, 0.5, 0.0)
-    up: Vector = (0.0, 1.0, 0.0)
-    field_of_view: Number = 60.0
-    near: Number = 0.1
-    far: Number = 100.0
+    position: Vector = _numbers(POINT, "where it stands", (0.0, 0.5, 2.0))
+    target: Vector = _numbers(POINT, "the point in the middle of the picture", (0.0, 0.5, 0.0))
+    up: Vector = _numbers(DIRECTION, "what is up in the picture", (0.0, 1.0, 0.0))
+    field_of_view: Number = _numbers(ANGLE, "of the picture's height, in degrees", 60.0)
+    near: Number = _numbers(LENGTH, "the distance of the near plane, which never clips", 0.1)
+    far: Number = _numbers(LENGTH, "the distance of the far plane, which never clips", 100.0)
+
+    problem = _misplaced
 
 
 @_node
 class OrthographicCamera(_Record):
-    """An extension: parallel rays from the near plane; the picture is `height` world units high."""
+    """An extension: parallel rays from the near plane."""
 
-    height: Number
-    position: Vector = (0.0, 0.5, 2.0)
-    target: Vector = (0.0, 0.5, 0.0)
-    up: Vector = (0.0, 1.0, 0.0)
-    near: Number = 0.1
-    far: Number = 100.0
+    height: Number = _numbers(LENGTH, "of the picture, in world units")
+    position: Vector = _numbers(POINT, "where it stands", (0.0, 0.5, 2.0))
+    target: Vector = _numbers(POINT, "the point in the middle of the picture", (0.0, 0.5, 0.0))
+    up: Vector = _numbers(DIRECTION, "what is up in the picture", (0.0, 1.0, 0.0))
+    near: Number = _numbers(LENGTH, "the distance of the near plane, which never clips", 0.1)
+    far: Number = _numbers(LENGTH, "the distance of the far plane, which never clips", 100.0)
+
+    problem = _misplaced
 
 
 @_node
 class MatrixCamera(_Record):
-    """The two matrices themselves, as arrays of rows: inverse projection and inverse view.
+    """The two matrices themselves, as arrays of rows.
 
     The fourth column of `view_to_world` is the camera's position. The projection is taken for a perspective one
     and brings its own aspect ratio.
     """
 
-    ndc_to_view: Matrix
-    view_to_world: Matrix
+    ndc_to_view: Matrix = _numbers(MATRIX, "the inverse projection")
+    view_to_world: Matrix = _numbers(MATRIX, "the inverse view matrix")
+
+    def problem(self) -> str | None:
+        for name in ("ndc_to_view", "view_to_world"):
+            if not np.linalg.det(getattr(self, name)):
+                return f"{name} must be an invertible matrix"
+        return None
 
 
 Camera: TypeAlias = PerspectiveCamera | OrthographicCamera | MatrixCamera
@@ -185,20 +257,21 @@ Camera: TypeAlias = PerspectiveCamera | OrthographicCamera | MatrixCamera
 
 @_node
 class Film(_Record):
-    """From linear light to display values. The defaults are the assignment's and add nothing to it.
+    """From linear light to display values. The defaults are the assignment's and add nothing to it."""
 
-    exposure: stops (EV); the linear image is multiplied by 2**exposure.
-    white_point: the colour that is to become white, as a correlated colour temperature in kelvin
-        (1667 ... 25000) or as CIE 1931 (x, y); ``None`` for no adaptation. A constant, not differentiable. Components
-        that the adaptation makes negative become 0.
-    tone_mapper: "aces", "reinhard", "hable", "none", or a function of a `Vec3` of linear light.
-    transfer: "gamma2.2", "srgb" or "none".
-    """
-
-    exposure: Number = 0.0
-    white_point: float | Sequence[float] | None = field(default=None, metadata=_STATIC)
-    tone_mapper: str | Callable = field(default="aces", metadata=_STATIC)
-    transfer: str = field(default="gamma2.2", metadata=_STATIC)
+    exposure: Number = _numbers(EXPOSURE, "in stops (EV): the linear image is multiplied by 2**exposure", 0.0)
+    white_point: float | Sequence[float] | None = _static(
+        "the colour that is to become white: kelvin (1667 ... 25000) or CIE 1931 (x, y); ``None`` for no adaptation, "
+        "whose negative components become 0. A constant, not differentiable",
+        None,
+        read=white_point,
+    )
+    tone_mapper: str | Callable = _static(
+        f"{', '.join(TONE_MAPPERS)}, or a function of a `raytrace.shader.glsl.Vec3` of linear light",
+        "aces",
+        choices=tuple(TONE_MAPPERS),
+    )
+    transfer: str = _static(", ".join(TRANSFERS), "gamma2.2", choices=tuple(TRANSFERS))
 
     def __post_init__(self):
         super().__post_init__()
@@ -208,18 +281,17 @@ class Film(_Record):
 
 @_node
 class Scene(_Record):
-    """Everything that is rendered. The defaults are the assignment's sun, sky and film, and an empty world.
+    """Everything that is rendered. The defaults are the assignment's sun, sky and film, and an empty world."""
 
-    lighting: "off" (figure 3), "on" (figure 5) or "shadow" (figure 6).
-    """
-
-    spheres: Spheres = field(default_factory=Spheres)
-    planes: Sequence[Plane] = ()
-    sun: Sun = field(default_factory=Sun)
-    sky: Sky = field(default_factory=Sky)
-    lighting: Literal["off", "on", "shadow"] = field(default="shadow", metadata=_STATIC)
-    camera: Camera = field(default_factory=PerspectiveCamera)
-    film: Film = field(default_factory=Film)
+    spheres: Spheres = _record("the spheres", Spheres)
+    planes: Sequence[Plane] = _record("the planes", tuple)
+    sun: Sun = _record("the sun", Sun)
+    sky: Sky = _record("the sky", Sky)
+    lighting: Literal["off", "on", "shadow"] = _static(
+        "off (figure 3), on (figure 5) or shadow (figure 6)", "shadow", choices=("off", "on", "shadow")
+    )
+    camera: Camera = _record("the camera", PerspectiveCamera)
+    film: Film = _record("the film", Film)
 
     def __post_init__(self):
         # Its fields are records, which have converted their own numbers.
@@ -229,6 +301,12 @@ class Scene(_Record):
     def _repr_png_(self) -> bytes | None:
         """Return the picture for Jupyter, or ``None``: it shows the text of a scene that is traced or wrong."""
         return PNG["scene"](self)
+
+
+#: The keys of a scene file that choose a class, and what they can be; the first is the default.
+CAMERAS = {"perspective": PerspectiveCamera, "orthographic": OrthographicCamera, "matrices": MatrixCamera}
+PATTERNS = {"checkerboard": Checkerboard, "plain": Plain}
+TAGS: dict[str, dict[str, type]] = {"projection": CAMERAS, "type": PATTERNS}
 
 
 def concrete(record: Any) -> Any:

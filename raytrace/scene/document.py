@@ -7,20 +7,13 @@ import numpy as np
 from pydantic import ValidationError
 
 from raytrace.errors import InputError
-from raytrace.scene import data
+from raytrace.scene.data import CAMERAS, PATTERNS, Film, Plane, Scene, Sky, Spheres, Sun
 from raytrace.scene.schema import SceneDocument
 
 __all__ = ["document_of", "scene_of"]
 
-_CAMERAS = {
-    "perspective": data.PerspectiveCamera,
-    "orthographic": data.OrthographicCamera,
-    "matrices": data.MatrixCamera,
-}
-_PATTERNS = {"checkerboard": data.Checkerboard, "plain": data.Plain}
 
-
-def scene_of(document: dict, where: str) -> data.Scene:
+def scene_of(document: dict, where: str) -> Scene:
     """The scene that `document` describes.
 
     Raises:
@@ -32,27 +25,27 @@ def scene_of(document: dict, where: str) -> data.Scene:
         raise InputError(f"{where}: {_explained(error, document)}") from None
     camera = tables["camera"]
     spheres = tables["spheres"]
-    return data.Scene(
-        spheres=data.Spheres(
+    return Scene(
+        spheres=Spheres(
             center=np.reshape([sphere["center"] for sphere in spheres], (-1, 3)).astype(np.float64),
             radius=np.array([sphere["radius"] for sphere in spheres], dtype=np.float64),
             color=np.reshape([sphere["color"] for sphere in spheres], (-1, 3)).astype(np.float64),
         ),
         planes=tuple(_plane(table) for table in tables["planes"]),
-        sun=data.Sun(**tables["sun"]),
-        sky=data.Sky(**tables["sky"]),
+        sun=Sun(**tables["sun"]),
+        sky=Sky(**tables["sky"]),
         lighting=tables["lighting"],
-        camera=_CAMERAS[camera.pop("projection")](**camera),
-        film=data.Film(**tables["film"]),
+        camera=CAMERAS[camera.pop("projection")](**camera),
+        film=Film(**tables["film"]),
     )
 
 
-def _plane(table: dict) -> data.Plane:
+def _plane(table: dict) -> Plane:
     pattern = table.pop("pattern")
-    return data.Plane(**table, pattern=_PATTERNS[pattern.pop("type")](**pattern))
+    return Plane(**table, pattern=PATTERNS[pattern.pop("type")](**pattern))
 
 
-def document_of(scene: data.Scene) -> dict:
+def document_of(scene: Scene) -> dict:
     """The document that describes `scene`: every value, defaults too, but for the ones that are ``None``.
 
     Raises:
@@ -63,12 +56,12 @@ def document_of(scene: data.Scene) -> dict:
     spheres = scene.spheres
     return {
         "lighting": scene.lighting,
-        "camera": {"projection": _name(_CAMERAS, scene.camera), **_table(scene.camera)},
+        "camera": {"projection": _name(CAMERAS, scene.camera), **_table(scene.camera)},
         "sun": _table(scene.sun),
         "sky": _table(scene.sky),
         "film": _table(scene.film),
         "planes": [
-            {**_table(plane), "pattern": {"type": _name(_PATTERNS, plane.pattern), **_table(plane.pattern)}}
+            {**_table(plane), "pattern": {"type": _name(PATTERNS, plane.pattern), **_table(plane.pattern)}}
             for plane in scene.planes
         ],
         "spheres": [
@@ -118,7 +111,7 @@ def _path(location: tuple, document: Any) -> str:
     path = ""
     for part in location:
         there = isinstance(document, dict) and part in document
-        if part in (*_CAMERAS, *_PATTERNS) and not there:
+        if part in (*CAMERAS, *PATTERNS) and not there:
             continue
         path = _join(path, part)
         in_list = isinstance(part, int) and isinstance(document, list) and part < len(document)

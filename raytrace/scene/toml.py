@@ -18,6 +18,7 @@ from raytrace.scene.document import document_of, scene_of
 
 __all__ = [
     "DEFAULT_SCENE",
+    "as_scene",
     "figures",
     "load_scene",
     "save_scene",
@@ -59,6 +60,18 @@ def load_scene(scene: str | Path, changes: Iterable[str] = ()) -> Scene:
         InputError: there is no such scene, or its file, its TOML, or one of its values is wrong.
     """
     return scene_from_toml(_text(str(scene)), str(scene), changes)
+
+
+def as_scene(scene: Scene | str | Path) -> Scene:
+    """Return a checked scene: the one given, a built-in by its name, or a file's.
+
+    Raises:
+        InputError: there is no such scene, or one of its values is wrong.
+    """
+    if not isinstance(scene, Scene):
+        return load_scene(scene)
+    check_scene(scene)
+    return scene
 
 
 def scene_from_toml(text: str, where: str, changes: Iterable[str] = ()) -> Scene:

@@ -1,6 +1,6 @@
 """From a scene to what the shader is given: uniforms, computed in double, and the program's choices."""
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -19,23 +19,25 @@ from raytrace.scene.data import (
 )
 from raytrace.scene.white_balance import adaptation_matrix
 from raytrace.shader import uniforms as shader
-from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
 
-__all__ = ["program_of", "uniforms_of"]
+__all__ = ["program_of", "rounded", "uniforms_of"]
+
+#: A structure of arrays.
+Tree = TypeVar("Tree")
 
 
 def program_of(
     scene: Scene, intersection: str, shadow_start: str = "offset", antialias: str = "none"
 ) -> shader.Program:
     """The choices of `scene` that shape the shader's program."""
-    mapper, surface = scene.film.tone_mapper, shadow_start == "surface"
+    surface = shadow_start == "surface"
     return shader.Program(
         lighting=scene.lighting,
         intersection=intersection,
         orthographic=isinstance(scene.camera, OrthographicCamera),
         patterned=any(isinstance(plane.pattern, Checkerboard) for plane in scene.planes),
-        tone_mapper=TONE_MAPPERS[mapper] if isinstance(mapper, str) else mapper,
-        transfer=TRANSFERS[scene.film.transfer],
+        tone_mapper=scene.film.tone_mapper,
+        transfer=scene.film.transfer,
         shadow_start=shadow_start,
         # Known only where they matter, so that the assignment's program does not depend on them.
         casting=tuple(i for i, plane in enumerate(scene.planes) if plane.casts_shadow) if surface else (),
@@ -54,6 +56,11 @@ def uniforms_of(scene: Scene, aspect: float) -> shader.Uniforms:
         sky=shader.Sky(*map(_vec3, (scene.sky.low, scene.sky.high, scene.sky.void))),
         film=_film(scene),
     )
+
+
+def rounded(uniforms: Tree) -> Tree:
+    """Return uniforms, or a part of them, rounded once to float32, as a GPU is given them; in NumPy's float64."""
+    return tree_map(lambda x: np.asarray(x, np.float32).astype(np.float64), uniforms)
 
 
 def _vec3(array: Any) -> Vec3:

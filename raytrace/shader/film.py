@@ -1,5 +1,8 @@
 """From linear light to display values (assignment, 'Skybox': tone mapping and colour space conversion)."""
 
+from collections.abc import Callable
+from typing import TypeAlias
+
 from raytrace.language.control import step
 from raytrace.language.glsl import Vec3, clamp, maximum, minimum, pow, select
 from raytrace.language.literal import literal
@@ -53,8 +56,10 @@ def srgb(x: Vec3) -> Vec3:
 #: Linear light that is as good as infinite. Its square, ten times over, is finite in float32.
 BRIGHTEST = 2.0**60
 
-TONE_MAPPERS = {"aces": aces, "reinhard": reinhard, "hable": hable, "none": linear}
-TRANSFERS = {"gamma2.2": gamma22, "srgb": srgb, "none": linear}
+Curve: TypeAlias = Callable[[Vec3], Vec3]
+
+TONE_MAPPERS: dict[str, Curve] = {"aces": aces, "reinhard": reinhard, "hable": hable, "none": linear}
+TRANSFERS: dict[str, Curve] = {"gamma2.2": gamma22, "srgb": srgb, "none": linear}
 
 
 @step
@@ -64,7 +69,13 @@ def tonemap_and_gamma_correct(x: Vec3, program: Program) -> Vec3:
     The tone mapper is given at most `BRIGHTEST`, which every one of them takes for white as it does all above: it
     squares its argument, and infinity divided by itself is no number.
     """
-    return program.transfer(clamp(program.tone_mapper(minimum(x, BRIGHTEST)), 0, 1))
+    tone_mapper, transfer = named(TONE_MAPPERS, program.tone_mapper), named(TRANSFERS, program.transfer)
+    return transfer(clamp(tone_mapper(minimum(x, BRIGHTEST)), 0, 1))
+
+
+def named(curves: dict[str, Curve], curve: str | Curve) -> Curve:
+    """Return the curve of that name; a function is its own curve."""
+    return curves[curve] if isinstance(curve, str) else curve
 
 
 @step

@@ -82,15 +82,16 @@ class Program:
     the formula for the sphere. `patterned` is False where every plane is plain. `shadow_start` is where a shadow ray
     starts: at the assignment's offset along the normal, or on the surface, which then casts no shadow on itself.
     `casting` are the numbers of the planes in ``shadow_planes``. `antialias` is "edges" where a pixel is to be the mean
-    over its square of what is on either side of the edges in it.
+    over its square of what is on either side of the edges in it. `tone_mapper` and `transfer` are names of
+    `raytrace.shader.film`, or functions of a `Vec3`.
     """
 
     lighting: Literal["off", "on", "shadow"]
     intersection: Literal["textbook", "robust"]
     orthographic: bool
     patterned: bool
-    tone_mapper: Callable
-    transfer: Callable
+    tone_mapper: str | Callable[[Vec3], Vec3]
+    transfer: str | Callable[[Vec3], Vec3]
     shadow_start: Literal["offset", "surface"] = "offset"
     casting: tuple[int, ...] = ()
     antialias: Literal["none", "edges"] = "none"

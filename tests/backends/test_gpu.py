@@ -13,7 +13,7 @@ import raytrace
 from raytrace.backends.gpu.drawing import Drawing, ShaderProgram, ShaderRejected
 from raytrace.backends.gpu.process import EngineProcess, engine_process
 from raytrace.glsl import vertex_shader
-from raytrace.rendering import Rendering
+from raytrace.rendering import Options, Rendering
 from tests.engines import need
 from tests.scenes import examples, some
 from tests.strategies import many, scenes
@@ -90,10 +90,10 @@ def test_bands_are_rows_of_the_image(engine, monkeypatch):
     whole = raytrace.render("checkerboard", SIZE, backend=engine)
     monkeypatch.setattr("raytrace.rendering.BAND", 7 * SIZE[0])
     monkeypatch.setattr("raytrace.backends.gpu.renderer.TESTS", 3 * SIZE[0] * (2 * 6 + 1 + 8))
-    bands = list(Rendering("checkerboard", SIZE, backend=engine).bands())
+    bands = list(Rendering(Options("checkerboard", SIZE, backend=engine)).bands())
     assert len(bands) == 13
     assert differing(np.concatenate(bands), whole, 5e-5) <= 2
-    pixel = Rendering("checkerboard", SIZE, backend=engine, output="steps").pixel(80, 60)
+    pixel = Rendering(Options("checkerboard", SIZE, backend=engine, output="steps")).pixel(80, 60)
     np.testing.assert_allclose(pixel["display"], whole[60, 80], rtol=1e-4)
 
 
@@ -112,7 +112,7 @@ def test_random_scenes(scene):
 
 
 def test_metadata_names_the_real_renderer(engine):
-    renderer = Rendering("sphere", (4, 4), backend=engine).metadata()["renderer"]
+    renderer = Rendering(Options("sphere", (4, 4), backend=engine)).metadata()["renderer"]
     assert ("OpenGL" in renderer) if engine == "opengl" else ("WebGL 2" in renderer and "Chromium" in renderer)
 
 

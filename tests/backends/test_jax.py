@@ -10,7 +10,7 @@ import pytest
 import raytrace
 from raytrace.backends.jax import OneProgram, Renderer, Staged
 from raytrace.backends.job import Job
-from raytrace.rendering import Rendering
+from raytrace.rendering import Options, Rendering
 from raytrace.scene.toml import figures
 from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
@@ -95,7 +95,7 @@ def test_many_spheres():
 
 def test_bands_are_the_whole_image(monkeypatch):
     monkeypatch.setattr("raytrace.rendering.BAND", 96 * 10)
-    rendering = Rendering("lit-sphere", (96, 55), dtype="float64")
+    rendering = Rendering(Options("lit-sphere", (96, 55), dtype="float64"))
     np.testing.assert_allclose(np.concatenate(list(rendering.bands())), rendering.whole(), rtol=0, atol=1e-12)
 
 

@@ -8,7 +8,7 @@ import raytrace
 from raytrace.backends.job import Job
 from raytrace.backends.numpy import Renderer
 from raytrace.language.control import Engine
-from raytrace.rendering import Rendering
+from raytrace.rendering import Options, Rendering
 from raytrace.scene.toml import figures
 from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.main import COMPONENTS
@@ -78,7 +78,7 @@ def test_the_formulas_agree(name):
 
 def test_bands_are_the_whole(monkeypatch):
     monkeypatch.setattr("raytrace.rendering.BAND", 96 * 10)
-    rendering = Rendering("checkerboard", SIZE, backend="numpy", dtype="float64")
+    rendering = Rendering(Options("checkerboard", SIZE, backend="numpy", dtype="float64"))
     bands = list(rendering.bands())
     assert [len(band) for band in bands] == [10, 10, 10, 10, 10, 5]
     np.testing.assert_array_equal(np.concatenate(bands), rendering.whole())

@@ -13,7 +13,7 @@ import raytrace
 from raytrace.backends.jax import Staged, staged
 from raytrace.backends.jax.renderer import Renderer
 from raytrace.backends.job import Job
-from raytrace.rendering import Rendering
+from raytrace.rendering import Options, Rendering
 from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
 from tests.scenes import SEVERAL_SCENES, examples, some
@@ -150,7 +150,9 @@ def test_spheres_that_touch_a_ray(column, row, distance, radius, data, intersect
     """A sphere that a pixel's ray just touches, at a block's border or not: rounding decides, skipping does not."""
     scene = raytrace.load_scene("checkerboard")
     rd = np.asarray(
-        Rendering("checkerboard", SIZE, backend="numpy", dtype="float64", output="steps").pixel(column, row)["rd"]
+        Rendering(Options("checkerboard", SIZE, backend="numpy", dtype="float64", output="steps")).pixel(column, row)[
+            "rd"
+        ]
     )
     across = np.cross(rd, [0.3, 1, 0.2])
     across /= np.linalg.norm(across)

@@ -52,5 +52,5 @@ def test_all_that_fails_is_told(found):
 
 
 def test_an_unknown_bound(found):
-    with pytest.raises(InputError, match="unknown bound 'min_sim'; did you mean 'min_ssim'"):
+    with pytest.raises(InputError, match="bound: unknown 'min_sim'; did you mean 'min_ssim'"):
         failures(found, {"min_sim": 1})

@@ -92,7 +92,7 @@ BAD_INPUT = [
     (["a.png", "backend:nunpy", "--scene", "spheres"], "unknown 'nunpy'"),
     (["a.png", "b.png", "--scene", "moon"], "moon: no such scene"),
     (["a.png", "b.png", "--set", "lighting='on'"], "--set: changes a scene; give one (--scene)"),
-    (["a.png", "b.png", "--a-is", "log"], "unknown kind of values 'log'"),
+    (["a.png", "b.png", "--a-is", "log"], "kind of values: unknown 'log'"),
     (["a.png", "b.png", "--min-ssim", "high"], "'--min-ssim'"),
     (["a.png", "b.png", "--diff", "d.jpg"], "d.jpg: the picture of a comparison is a .png file"),
     (["a.png", "b.png", "--diff", "nowhere/d.png"], "the folder nowhere does not exist"),

@@ -10,7 +10,7 @@ import raytrace
 from raytrace.comparison.diagnosis import diagnosis
 from raytrace.comparison.metrics import pixels_over
 from raytrace.comparison.reference import Reference
-from raytrace.rendering import Rendering
+from raytrace.rendering import Options, Rendering
 from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.camera import pixel_to_ndc
 from raytrace.shader.main import main
@@ -247,7 +247,7 @@ def test_a_reference_that_is_not_the_scenes_image_is_taken_as_it_is():
 
 
 def test_the_scene_of_the_file_is_used(display):
-    rendering = Rendering(SCENE, SIZE, backend="numpy", dtype="float64")
+    rendering = Rendering(Options(SCENE, SIZE, backend="numpy", dtype="float64"))
     raytrace.write_image("a.png", display, metadata=rendering.metadata())
     wrong = through(columns_and_rows(raytrace.PerspectiveCamera(), SIZE, -0.5, -0.5))
     raytrace.write_image("b.png", wrong)

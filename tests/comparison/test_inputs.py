@@ -4,13 +4,13 @@ import pytest
 import raytrace
 from raytrace.comparison import NotFinite
 from raytrace.errors import InputError
-from raytrace.rendering import Rendering
+from raytrace.rendering import Options, Rendering
 
 SIZE = (32, 18)
 
 
 def rendered(path, scene="checkerboard", output="display", bits=None, told=True):
-    rendering = Rendering(scene, SIZE, backend="numpy", dtype="float64", output=output)
+    rendering = Rendering(Options(scene, SIZE, backend="numpy", dtype="float64", output=output))
     metadata = rendering.metadata() if told else None
     raytrace.write_image(path, rendering.whole(), output=output, bits=bits, metadata=metadata)
     return path
@@ -113,7 +113,7 @@ def test_a_file_of_nan_is_refused():
         ("backend:nunpy", {"scene": "sphere"}, r"backend: unknown 'nunpy'; did you mean 'numpy'"),
         ("backend:numpy:half", {"scene": "sphere"}, r"dtype of backend numpy: unknown 'half'"),
         (np.zeros((2, 2, 3)), {"scene": "moon"}, "moon: no such scene"),
-        (np.zeros((2, 2, 3)), {"kinds": ("log", None)}, "A: unknown kind of values 'log'; there is: display, linear"),
+        (np.zeros((2, 2, 3)), {"kinds": ("log", None)}, "A: kind of values: unknown 'log'; there is: display, linear"),
     ],
 )
 def test_bad_input(a, options, told):

@@ -15,6 +15,7 @@ import raytrace
 from raytrace.comparison.metrics import pixels_over, similarity
 from raytrace.golden import BOUNDS, backend_source, folder_source, golden_folder, golden_scenes, write_goldens
 from raytrace.image import read_metadata
+from raytrace.rendering import Options
 from raytrace.shader.specification import SPECIFICATION
 from raytrace.testing import goldens
 from tests.engines import need
@@ -59,7 +60,7 @@ def test_certificates_prove_the_images_and_bound_others():
         manifest["scenes"]["checkerboard"]["files"]
     )
     assert all(entry["proven"] > 0.9999 for entry in manifest["scenes"].values())
-    found = results(backend_source("numpy", dtype="float32"))
+    found = results(backend_source(Options(backend="numpy", dtype="float32")))
     assert all(result.verification.inside and not result.failed for result in found.values())
     assert "inside the bounds" in str(found["skybox"])
     # A mistake that SSIM's usual threshold passes: the sky's gradient.
@@ -69,7 +70,7 @@ def test_certificates_prove_the_images_and_bound_others():
     for name in SCENES:
         right = EXPORTS["glsl"](raytrace.load_scene(name), SIZE)
         Path(f"{name}.frag").write_text(right.replace("1./4.", "0.26"))
-    wrong = results(backend_source("opengl", shader="skybox.frag"))["skybox"]
+    wrong = results(backend_source(Options(backend="opengl", shader="skybox.frag")))["skybox"]
     assert wrong.comparison.ssim.mean > 0.99
     assert wrong.failed[0].startswith("outside at ")
 
@@ -147,7 +148,11 @@ def results(source, folder="G", **bounds):
 @pytest.mark.parametrize("names", some([["checkerboard", "skybox"], ["spheres"]], ["checkerboard", "skybox"]), ids=str)
 def test_other_arithmetics_pass(engine, names):
     made("G", names)
-    for source in (backend_source(engine), backend_source("jax"), backend_source("numpy", dtype="float64")):
+    for source in (
+        backend_source(Options(backend=engine)),
+        backend_source(Options(backend="jax")),
+        backend_source(Options(backend="numpy", dtype="float64")),
+    ):
         assert [result.failed for result in results(source).values()] == [()] * len(names)
 
 
@@ -251,11 +256,11 @@ def test_a_wrong_shader_is_diagnosed(engine):
     Path("a.frag").write_text(
         right.replace("2. * fragmentTextureCoordinates - 1.", "1. - 2. * fragmentTextureCoordinates")
     )
-    wrong = results(backend_source(engine, shader="a.frag"))["checkerboard"]
+    wrong = results(backend_source(Options(backend=engine, shader="a.frag")))["checkerboard"]
     assert wrong.failed
     assert "flipped" in str(wrong)
     Path("a.frag").write_text(right.replace("2.51", "2.51 +"))
-    assert "a.frag:" in results(backend_source(engine, shader="a.frag"))["checkerboard"].failed[0]
+    assert "a.frag:" in results(backend_source(Options(backend=engine, shader="a.frag")))["checkerboard"].failed[0]
 
 
 @pytest.mark.parametrize("golden", goldens(scenes=["checkerboard", "shadows"], size=(240, 136)), ids=str)

@@ -151,7 +151,7 @@ def test_errors_name_file_path_found_and_allowed():
         ("sun.color=[1e7,0,0]", "sun.color[0]: must be at most 1e+06 in size"),
         ("camera.target=[0,0.5,1.9999999999999]", "camera: position and target must be at least 1e-12 apart"),
         ("lighting=dark", "lighting: must be 'off', 'on' or 'shadow', found 'dark'"),
-        ("fog=1", "fog: unknown key; allowed: lighting, camera, sun, sky, film, planes, spheres"),
+        ("fog=1", "fog: unknown key; allowed: spheres, planes, sun, sky, lighting, camera, film"),
     ],
 )
 def test_mistakes(change, told):

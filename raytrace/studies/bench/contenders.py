@@ -5,9 +5,9 @@ from importlib.util import find_spec
 from typing import Any, NamedTuple
 
 from raytrace.errors import EngineFailure, InputError
-from raytrace.rendering import Rendering, render
+from raytrace.rendering import Options, Rendering, render
 from raytrace.scene.data import Scene
-from raytrace.scene.toml import load_scene
+from raytrace.scene.toml import as_scene
 from raytrace.studies.bench.peers import installed
 
 __all__ = ["QUERIES", "Contender", "contenders", "mitsuba_frame", "plain_jit"]
@@ -26,7 +26,7 @@ class Contender(NamedTuple):
 
 def contenders(scene: Scene | str, size: tuple[int, int]) -> tuple[list[Contender], list[str]]:
     """All that can run here, and for each that cannot a line that says why."""
-    scene = load_scene(scene) if isinstance(scene, str) else scene
+    scene = as_scene(scene)
 
     def ours(name: str, **how: Any) -> Contender:
         return Contender(name, lambda: render(scene, size, **how))
@@ -56,7 +56,7 @@ def plain_jit(scene: Scene | str, size: tuple[int, int]) -> Callable[[], Any]:
     """The default arithmetic with everything in one program, as `jax.jit` alone makes it."""
     from raytrace.backends.jax import OneProgram
 
-    return Rendering(scene, size, engine=OneProgram()).whole
+    return Rendering(Options(scene, size, engine=OneProgram())).whole
 
 
 def mitsuba_frame(scene: Scene, size: tuple[int, int]) -> tuple[Callable[[], Any], float]:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from raytrace.files import whole_file
+from raytrace.files import save_figure
 from raytrace.scene.data import Scene
 from raytrace.studies.bench.contenders import Contender
 from raytrace.studies.bench.errors import Errors, reference
@@ -83,5 +83,4 @@ def plot(rows: list[Row], title: str, path: Path) -> None:
     axes.grid(which="major", color="0.9")
     axes.margins(0.08)
     figure.legend(loc="outside right upper", fontsize=8, frameon=False, handlelength=1.2)
-    with whole_file(path) as temporary:
-        figure.savefig(temporary, format=path.suffix[1:], dpi=120)
+    save_figure(figure, path, 120)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from raytrace.rendering import Rendering
+from raytrace.rendering import Options, Rendering
 from raytrace.scene.data import Scene
 from raytrace.studies.bench.timing import in_turn
 
@@ -30,7 +30,7 @@ class Roofline(NamedTuple):
 
 def roofline(scene: Scene | str, size: tuple[int, int], runs: int) -> Roofline:
     """Of the scene in JAX float32, without skipping: then what is counted is what is computed."""
-    rendering = Rendering(scene, size, skip=False)
+    rendering = Rendering(Options(scene, size, skip=False))
     cost, tiles = rendering.renderer.cost(size[1])
     operations, moved = tiles * cost.get("flops", 0.0), tiles * cost.get("bytes accessed", 0.0)
     fused, copied = _peaks()

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 from raytrace.cores import cores
 from raytrace.errors import EngineFailure, InputError
-from raytrace.files import whole_file
-from raytrace.rendering import Rendering, render
+from raytrace.files import save_figure
+from raytrace.rendering import Options, Rendering, render
 from raytrace.scene.toml import DEFAULT_SCENE
 from raytrace.studies.bench.contenders import mitsuba_frame
 from raytrace.studies.bench.crowds import crowd
@@ -51,7 +51,7 @@ def by_spheres(size: tuple[int, int], runs: int) -> Iterator[Point]:
 
 def preparation(scene: object, size: tuple[int, int], runs: int = 3) -> float:
     """Median milliseconds of preparing a scene that was not the last one; compiled before."""
-    rendering, times = Rendering(scene, size), []
+    rendering, times = Rendering(Options(scene, size)), []
     for _ in range(runs + 1):
         start = time.perf_counter()
         rendering.renderer.prepare_anew()
@@ -120,5 +120,4 @@ def plot(points: list[Point], kind: str, path: Path) -> None:
     axes.set_ylabel("milliseconds (median; bars: fastest and slowest)")
     axes.grid(which="major", color="0.9")
     axes.legend()
-    with whole_file(path) as temporary:
-        figure.savefig(temporary, format=path.suffix[1:], dpi=120)
+    save_figure(figure, path, 120)

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from raytrace.files import whole_file
+from raytrace.files import save_figure
 from raytrace.studies.stress.axes import AXES
 from raytrace.studies.stress.measure import INPUT, Point
 
@@ -21,8 +21,7 @@ def plot(axis: str, points: list[Point], path: Path) -> None:
     Raises:
         InputError: the file cannot be written.
     """
-    with whole_file(path) as temporary:
-        figure(axis, points).savefig(temporary, format=path.suffix[1:], dpi=100)
+    save_figure(figure(axis, points), path)
 
 
 def figure(axis: str, points: list[Point]) -> Any:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
-from raytrace.errors import InputError, did_you_mean
+from raytrace.errors import check_choice
 from raytrace.studies.stress.axes import AXES, GROUPS
 from raytrace.studies.stress.effort import QUICK, Effort
 from raytrace.studies.stress.measure import Point
@@ -17,8 +17,7 @@ def groups(names: list[str]) -> list[Callable]:
         InputError: there is no such axis.
     """
     for name in names:
-        if name not in AXES:
-            raise InputError(f"axis: unknown {name!r}; {did_you_mean(name, AXES, 'there is')}")
+        check_choice("axis", name, AXES)
     return [group for group, axes in GROUPS.items() if not names or set(axes) & set(names)]
 
 
