@@ -12,14 +12,9 @@ __getattr__, __dir__, __all__ = _lazy_loader.attach_stub(__name__, __file__)
 
 
 def _scene_as_png(scene):
-    from raytrace.errors import InputError
-    from raytrace.notebook.pictures import png
-    from raytrace.rendering import render
+    from raytrace.notebook.pictures import scene_as_png
 
-    try:
-        return png(render(scene, (480, 270)))
-    except (InputError, TypeError):
-        return None
+    return scene_as_png(scene)
 
 
 _PNG["scene"] = _scene_as_png

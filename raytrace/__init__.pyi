@@ -1,3 +1,4 @@
+from .backends.jax.devices import use_all_cores as use_all_cores
 from .certificates import Certificate as Certificate
 from .certificates import Verification as Verification
 from .certificates import certify as certify

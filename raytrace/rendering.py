@@ -17,8 +17,8 @@ from raytrace.glsl.source import read_shader
 from raytrace.language.control import Engine
 from raytrace.scene.check import check_structure, is_traced
 from raytrace.scene.data import Scene, concrete
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.scene.toml import DEFAULT_SCENE, as_scene, scene_hash, scene_toml
-from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.light import SHADOW_STARTS
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame

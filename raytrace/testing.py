@@ -37,7 +37,7 @@ def goldens(
     missing = wanted - {golden.name for golden in held.goldens}
     if missing:
         raise InputError(f"{folder}: holds no golden image {min(missing)!r}")
-    broken = [told for name in sorted(wanted) for told in held.broken.get(name, ())]
+    broken = [problem for name in sorted(wanted) for problem in held.broken.get(name, ())]
     if broken:
         raise InputError(broken[0])
     return [golden for golden in held.goldens if golden.name in wanted]

@@ -135,7 +135,7 @@ def test_jax_draws_any_scene(dtype, scene):
 def test_white_is_white_however_bright():
     """Linear light at the end of float32, and infinite: a tone mapper would divide infinity by infinity."""
     from raytrace.language.glsl import Vec3
-    from raytrace.scene.uniforms import program_of
+    from raytrace.scene.to_uniforms import program_of
     from raytrace.shader.film import tonemap_and_gamma_correct
 
     bright = np.array([1e15, 1e30, 3e38, np.inf], np.float32)

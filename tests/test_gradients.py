@@ -15,7 +15,7 @@ from raytrace.backends.jax import Renderer, Staged
 from raytrace.backends.job import Job
 from raytrace.language.glsl import Vec3
 from raytrace.scene import check_scene
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS, develop
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import FilmUniforms

@@ -53,6 +53,7 @@ USES = {
     "scenes": lambda: raytrace.scenes()["sphere"],
     "sun_angles": lambda: raytrace.sun_angles(np.array([0.0, 1.0, 0.0])),
     "sun_direction": lambda: raytrace.sun_direction(10.0, 20.0),
+    "use_all_cores": lambda: raytrace.use_all_cores() is None or 1 / 0,
     "verify": lambda: raytrace.verify(np.zeros((3, 4, 3)), raytrace.certify("sphere", size)).inside in (True, False),
     "view": lambda: refused("view", "sphere", samples=3),
     "write_image": lambda: raytrace.write_image("a.png", image),

@@ -79,7 +79,7 @@ class Exact:
         return self.value.ndim
 
     def __array_namespace__(self, api_version: str | None = None) -> Any:
-        return Namespace
+        return ExactNamespace
 
     def __bool__(self) -> bool:
         raise TypeError("an array has no truth of its own")
@@ -180,7 +180,7 @@ def _elementwise(function: Any) -> Any:
     return staticmethod(lambda x: Exact(vectorized(x.value)))
 
 
-class Namespace:
+class ExactNamespace:
     """The functions of the array API standard that the shader uses."""
 
     bool, int32 = BOOL, INT
@@ -204,11 +204,11 @@ class Namespace:
 
     @staticmethod
     def minimum(a: Exact, b: Exact) -> Exact:
-        return Namespace.where(b < a, b, a)
+        return ExactNamespace.where(b < a, b, a)
 
     @staticmethod
     def maximum(a: Exact, b: Exact) -> Exact:
-        return Namespace.where(b > a, b, a)
+        return ExactNamespace.where(b > a, b, a)
 
     @staticmethod
     def isfinite(x: Exact) -> Exact:

@@ -26,7 +26,7 @@ from raytrace.language.namespace import constant, namespace
 from raytrace.language.types import Array
 from raytrace.shader.uniforms import Camera, Program, Sphere, Uniforms
 
-__all__ = ["Beam", "Bounds", "Coordinates", "Pencil", "Region", "outside", "primary_rays", "shadow_rays"]
+__all__ = ["Beam", "Coordinates", "Extent", "Pencil", "Region", "outside", "primary_rays", "shadow_rays"]
 
 #: What is added to a radius, in machine epsilons of the distances that enter.
 SLACK = 32
@@ -36,7 +36,7 @@ PIXELS = 2
 FLATTEST = 1e-2
 
 
-class Bounds(NamedTuple):
+class Extent(NamedTuple):
     """A rectangle for each sphere, and how far along the rays it reaches; arrays (n,). NaN bounds nothing."""
 
     u_low: Array
@@ -88,7 +88,7 @@ class Region(NamedTuple):
         return cls(low(u, error), high(u, error), low(v, error), high(v, error), low(w, w_error))
 
 
-def outside(bounds: Bounds, region: Region) -> Array:
+def outside(bounds: Extent, region: Region) -> Array:
     """Whether no ray of the region can meet the sphere of these bounds; False where either is NaN."""
     return (
         (bounds.u_high < region.u_low)
@@ -118,7 +118,7 @@ class Pencil(NamedTuple):
         none = constant(0, u)
         return Coordinates.of(u, v, none, select(forward > 0, error, inf), none)
 
-    def bounds(self, spheres: Sphere, quadratic: bool) -> Bounds:
+    def bounds(self, spheres: Sphere, quadratic: bool) -> Extent:
         center = spheres.center - self.apex
         distance = _length(center)
         slack = SLACK * _epsilon(distance)
@@ -139,7 +139,7 @@ class Pencil(NamedTuple):
 
         behind = forward + (grown + extra) * flat < -slack * distance * flat
         (u_low, u_high), (v_low, v_high) = interval(self.x), interval(self.y)
-        return Bounds(u_low, u_high, v_low, v_high, select(behind, constant(-inf, forward), inf))
+        return Extent(u_low, u_high, v_low, v_high, select(behind, constant(-inf, forward), inf))
 
 
 class Beam(NamedTuple):
@@ -158,7 +158,7 @@ class Beam(NamedTuple):
             dot(self.x, ro), dot(self.y, ro), dot(self.direction, ro), square if quadratic else linear, square
         )
 
-    def bounds(self, spheres: Sphere, quadratic: bool) -> Bounds:
+    def bounds(self, spheres: Sphere, quadratic: bool) -> Extent:
         center, radius = spheres.center, spheres.radius
         size = _size(center)
         slack = SLACK * _epsilon(size)
@@ -166,7 +166,7 @@ class Beam(NamedTuple):
         extra = slack * (size + radius)
         reach = (grown if quadratic else radius) + extra
         u, v, w = dot(self.x, center), dot(self.y, center), dot(self.direction, center)
-        return Bounds(u - reach, u + reach, v - reach, v + reach, w + grown + extra)
+        return Extent(u - reach, u + reach, v - reach, v + reach, w + grown + extra)
 
 
 def primary_rays(uniforms: Uniforms, program: Program) -> Pencil | Beam:

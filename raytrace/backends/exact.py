@@ -6,7 +6,7 @@ from raytrace.arithmetic.exact import Exact, precision
 from raytrace.language.control import Engine, running
 from raytrace.language.tree import tree_map
 from raytrace.scene import Scene
-from raytrace.scene.uniforms import program_of, rounded, uniforms_of
+from raytrace.scene.to_uniforms import program_of, rounded, uniforms_of
 from raytrace.shader.main import Steps
 from raytrace.shader.pixel import Frame, pixels
 

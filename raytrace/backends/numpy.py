@@ -11,13 +11,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from raytrace.backends.culling import Beam, Bounds, Pencil, Region, outside, primary_rays, shadow_rays
+from raytrace.backends.culling import Beam, Extent, Pencil, Region, outside, primary_rays, shadow_rays
 from raytrace.backends.job import Job
 from raytrace.cores import in_threads
 from raytrace.edges import pixels
 from raytrace.language.control import Engine, running
 from raytrace.language.tree import tree_map
-from raytrace.scene.uniforms import rounded
+from raytrace.scene.to_uniforms import rounded
 from raytrace.shader.hit import Hit, Nearest
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
@@ -33,7 +33,7 @@ class Visible(NamedTuple):
     """Where one kind of rays can meet spheres."""
 
     rays: Pencil | Beam
-    bounds: Bounds
+    bounds: Extent
 
 
 class Masked(Engine):

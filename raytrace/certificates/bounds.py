@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from raytrace.arithmetic.intervals import REAL, ErrorModel, Interval, Namespace
+from raytrace.arithmetic.intervals import REAL, ErrorModel, Interval, IntervalNamespace
 from raytrace.arithmetic.intervals.paths import Paths
 from raytrace.arithmetic.intervals.rounding import outward
 from raytrace.cores import in_threads
@@ -87,7 +87,7 @@ def _without_coincident(spheres: Sphere | None) -> Sphere | None:
     return tree_map(lambda leaf: leaf[kept], spheres)
 
 
-_REAL = Namespace(REAL)
+_REAL = IntervalNamespace(REAL)
 
 
 class _Program(NamedTuple):
@@ -97,8 +97,8 @@ class _Program(NamedTuple):
     model: ErrorModel
 
     def __call__(self, places: np.ndarray, engine: Engine, decide: Callable | None = None) -> "_Hulls":
-        """The program at the pixels of those numbers; decide: as of `Namespace`."""
-        xp, frame = Namespace(self.model, decide), self.frame
+        """The program at the pixels of those numbers; decide: as of `IntervalNamespace`."""
+        xp, frame = IntervalNamespace(self.model, decide), self.frame
         with running(engine), np.errstate(all="ignore"):
             row, column = (_REAL.given(x.astype(np.float64)) for x in divmod(places, frame.width))
             uv = texture_coordinates(column, row, Vec2(0.5, 0.5), frame)
@@ -107,7 +107,7 @@ class _Program(NamedTuple):
         return _Hulls.of(steps, len(places))
 
 
-def _interpolated(x: Interval, xp: Namespace) -> Interval:
+def _interpolated(x: Interval, xp: IntervalNamespace) -> Interval:
     """A texture coordinate: a varying, of which nobody promises how a rasterizer computes it, or a quotient."""
     error = np.asarray(xp.model.interpolation)
     x = x + Interval(-error, error, _REAL)

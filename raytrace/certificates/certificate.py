@@ -15,8 +15,8 @@ from raytrace.errors import InputError, check_choice
 from raytrace.image import read_metadata, read_planes, write_planes
 from raytrace.rendering import check_size
 from raytrace.scene import Scene, scene_hash, scene_toml
+from raytrace.scene.to_uniforms import program_of, rounded, uniforms_of
 from raytrace.scene.toml import as_scene, scene_from_toml
-from raytrace.scene.uniforms import program_of, rounded, uniforms_of
 from raytrace.shader.pixel import Frame
 from raytrace.shader.specification import SPECIFICATION, VERSIONS
 from raytrace.shader.sphere import INTERSECTIONS

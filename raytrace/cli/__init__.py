@@ -4,9 +4,11 @@ import os
 import signal
 import sys
 from importlib.metadata import version
+from types import ModuleType
 from typing import Annotated
 
 import typer
+import wrapt
 
 from raytrace.cli.bench import bench
 from raytrace.cli.certify import certify, verify
@@ -75,6 +77,7 @@ def run() -> None:
     # under `nohup`, stays ignored; so does SIGINT in a background job, which Python sees to.
     if signal.getsignal(signal.SIGTERM) != signal.SIG_IGN:
         signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+    wrapt.register_post_import_hook(_with_all_cores, "jax")
     try:
         code = app(standalone_mode=False)
         if code == _INTERRUPTED:  # typer's own answer to Ctrl-C
@@ -98,6 +101,13 @@ def run() -> None:
     # Not by way of the interpreter's end: after an interruption XLA may still be computing in a thread of its own,
     # and would crash when the interpreter is taken down under it.
     os._exit(code or 0)
+
+
+def _with_all_cores(jax: ModuleType) -> None:
+    """Before the command uses JAX, which it imports only where it does."""
+    from raytrace.backends.jax.devices import use_all_cores
+
+    use_all_cores()
 
 
 def _failed(message: str, code: int = 2) -> int:

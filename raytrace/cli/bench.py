@@ -10,6 +10,7 @@ from raytrace.cli.options import Size, progress, size_of
 from raytrace.errors import InputError, check_choice
 from raytrace.files import check_figure
 from raytrace.scene.toml import DEFAULT_SCENE
+from raytrace.studies.bench.timing import state
 
 __all__ = ["bench"]
 
@@ -51,6 +52,8 @@ def bench(
     if plot:
         check_figure(plot)
     shape = size_of(size)
+    if not as_json:
+        print(state(), flush=True)
     if scaling:
         _scaling(scaling, shape, runs, as_json, plot)
     elif figures:
@@ -76,7 +79,8 @@ def _pareto(scene: str, size: tuple[int, int], runs: int, as_json: bool, plot: P
     if plot:
         pareto.plot(rows, f"{scene}, {size[0]}x{size[1]}", plot)
     if as_json:
-        print(json.dumps({"rows": [_json(row) | {"front": row in best} for row in rows], "missing": missing}, indent=1))
+        front = [_json(row) | {"front": row in best} for row in rows]
+        print(json.dumps({"state": state(), "rows": front, "missing": missing}, indent=1))
         return
     times, errors = ("median ms", "fastest", "slowest"), ("largest", "rms", "99.99 %", ">1/255", "at edges")
     print(f"{'':36} " + " ".join(f"{heading:>9}" for heading in times + errors))
@@ -124,9 +128,15 @@ def _figures(size: tuple[int, int], runs: int, as_json: bool) -> None:
         found.append(figure)
         if not as_json:
             missed = "" if figure.reached <= figure.at_most else "  missed"
-            print(f"{figure.name:66} {figure.reached:9.3g} {figure.at_most:9.3g}  ({figure.told}){missed}", flush=True)
+            print(
+                f"{figure.name:66} {figure.reached:9.3g} {figure.at_most:9.3g}  ({figure.detail}){missed}", flush=True
+            )
     if as_json:
-        print(json.dumps({"figures": [figure._asdict() for figure in found], "missing": missing}, indent=1))
+        print(
+            json.dumps(
+                {"state": state(), "figures": [figure._asdict() for figure in found], "missing": missing}, indent=1
+            )
+        )
     else:
         for line in missing:
             print(line)

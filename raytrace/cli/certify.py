@@ -102,6 +102,6 @@ def _values(image: str, scene: object, size: tuple[int, int], linear: bool) -> t
     if isinstance(values, dict):
         kind = "linear" if linear else "display"
         return values[kind], kind, depth
-    told = read_metadata(image).get("output")
-    kind = told if told in KINDS else usual_kind(Path(image))
+    stated = read_metadata(image).get("output")
+    kind = stated if stated in KINDS else usual_kind(Path(image))
     return values, "linear" if linear else kind, depth

@@ -78,7 +78,7 @@ def sun_trials(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """How near fit-sun comes to random suns, from noisy images of 8 bits, and how often its regions hold them."""
-    from raytrace.studies.trials import told, trials
+    from raytrace.studies.trials import summary, trials
 
     if suns < 1:
         raise InputError(f"suns: must be 1 at least, found {suns}")
@@ -89,7 +89,7 @@ def sun_trials(
         for trial in trials(known, suns, shape, samples, seed):
             found.append(trial)
             advance(1)
-    print(json.dumps([trial._asdict() for trial in found], indent=1) if as_json else told(found))
+    print(json.dumps([trial._asdict() for trial in found], indent=1) if as_json else summary(found))
 
 
 def gradients(
@@ -114,7 +114,7 @@ def gradients(
                 found[name].append(errors(random_world(seed), name))
                 advance(1)
     if as_json:
-        told = {name: [{k: e._asdict() for k, e in of.items()} for of in each] for name, each in found.items()}
-        print(json.dumps(told, indent=1))
+        tables = {name: [{k: e._asdict() for k, e in of.items()} for of in each] for name, each in found.items()}
+        print(json.dumps(tables, indent=1))
     else:
         print(table(found))

@@ -39,10 +39,10 @@ def taking_options(*names: str, **defaults: Any) -> Callable[[Callable], Callabl
     usual = inspect.signature(Options).parameters
 
     def parameter(name: str) -> inspect.Parameter:
-        kind, told = get_args(hints[name])
+        kind, help_text = get_args(hints[name])
         kind, default, flags = _WRITTEN.get(name, (kind, usual[name].default, (f"--{name.replace('_', '-')}",)))
         default = defaults.get(name, default)
-        annotation = Annotated[kind | None if default is None else kind, typer.Option(*flags, help=told)]
+        annotation = Annotated[kind | None if default is None else kind, typer.Option(*flags, help=help_text)]
         return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
     def decorated(command: Callable) -> Callable:

@@ -8,12 +8,12 @@ from typing import Annotated
 
 import typer
 
+from raytrace.backends.jax.cluster import cluster
 from raytrace.cli.options import Changes, Scene, progress, taking_options
-from raytrace.cluster import cluster
 from raytrace.errors import InputError
 from raytrace.image import file_format, image_file
+from raytrace.notebook.pixel import pixel_report
 from raytrace.rendering import Options, Rendering
-from raytrace.report import pixel_report
 from raytrace.scene import load_scene
 from raytrace.scene.toml import DEFAULT_SCENE
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from raytrace.cli.options import Changes, Scene, Size, size_of
-from raytrace.report import uniforms_report
+from raytrace.export.numbers import uniforms_report
 from raytrace.scene import load_scene, scene_toml, scenes
 from raytrace.scene.toml import DEFAULT_SCENE
 

@@ -24,7 +24,6 @@ def stress(
         import flint  # noqa: F401
     except ImportError:
         raise InputError("stress: needs exact arithmetic: pip install python-flint") from None
-    from raytrace.backends.jax.devices import ask_for_all_cores
     from raytrace.studies.stress import AXES, FULL, QUICK, verdicts
     from raytrace.studies.stress import stress as measurements
     from raytrace.studies.stress.plot import plot as write_plot
@@ -34,7 +33,6 @@ def stress(
     groups(axes or [])
     if plot and not plot.is_dir():
         raise InputError(f"{plot}: there is no such folder")
-    ask_for_all_cores()
     by_axis: dict[str, list] = {}
     with progress(len(axes or AXES), "measuring") as advance:
         for point in measurements((FULL if full else QUICK)._replace(seed=seed), axes):

@@ -16,10 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from raytrace.comparison.film import film_of
-from raytrace.comparison.films import channel_mistakes, film_mistakes
 from raytrace.comparison.metrics import LEVEL, WINDOW, pixels_over, rmse
 from raytrace.comparison.reference import Reference
-from raytrace.comparison.views import View, resampled, views
+from raytrace.comparison.wrong_films import channel_mistakes, film_mistakes
+from raytrace.comparison.wrong_views import WrongView, resampled, views
 from raytrace.scene import Scene
 
 __all__ = ["Diagnosis", "diagnosis"]
@@ -99,7 +99,7 @@ def diagnosis(a: np.ndarray, b: np.ndarray, reference: Reference | None) -> Diag
     return best if best.explained >= _EXPLAINED and best.over[1] < _LEFT * best.over[0] else None
 
 
-def _through(view: View, a: np.ndarray, reference: Reference | None, every: int) -> np.ndarray:
+def _through(view: WrongView, a: np.ndarray, reference: Reference | None, every: int) -> np.ndarray:
     return resampled(a, view, every) if reference is None or view.whole else reference.through(view, every)
 
 

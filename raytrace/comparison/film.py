@@ -4,7 +4,7 @@ import numpy as np
 
 from raytrace.language.glsl import Vec3
 from raytrace.scene.data import Scene
-from raytrace.scene.uniforms import program_of, rounded, uniforms_of
+from raytrace.scene.to_uniforms import program_of, rounded, uniforms_of
 from raytrace.shader.film import develop
 from raytrace.shader.uniforms import FilmUniforms, Program
 

@@ -125,8 +125,8 @@ def read_picture(source: Any, name: str, kind: str | None, with_scene: bool) -> 
     scene = _scene_in(metadata, name) if with_scene else None
     if isinstance(image, dict):
         return Picture(name, _checked(image["display"], name), "display", depth, scene, metadata)
-    told = metadata.get("output")
-    kind = kind or (told if told in KINDS else usual_kind(Path(source)))
+    stated = metadata.get("output")
+    kind = kind or (stated if stated in KINDS else usual_kind(Path(source)))
     return Picture(name, _checked(image, name), kind, depth, scene, metadata)
 
 

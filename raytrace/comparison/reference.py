@@ -5,10 +5,10 @@ from functools import cached_property
 import numpy as np
 
 from raytrace.backends.numpy import Masked, drawn
-from raytrace.comparison.views import View
+from raytrace.comparison.wrong_views import WrongView
 from raytrace.rendering import Options, Rendering
 from raytrace.scene import Scene
-from raytrace.scene.uniforms import program_of, rounded, uniforms_of
+from raytrace.scene.to_uniforms import program_of, rounded, uniforms_of
 from raytrace.shader.pixel import Frame
 
 __all__ = ["Reference"]
@@ -25,7 +25,7 @@ class Reference:
         """Every step of the shader, by the assignment's names."""
         return Rendering(Options(self.scene, self.frame[:2], backend="numpy", dtype="float64", output="steps")).whole()
 
-    def through(self, view: View, every: int = 1) -> np.ndarray:
+    def through(self, view: WrongView, every: int = 1) -> np.ndarray:
         """The display values of the scene, drawn with that mistake in its view; of every so many rows and columns.
 
         The mistake is in the pixels' coordinates, as a shader has it: half a pixel then gives the very coordinates

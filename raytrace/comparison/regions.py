@@ -6,10 +6,10 @@ import numpy as np
 
 from raytrace.comparison.reference import Reference
 
-__all__ = ["Region", "regions"]
+__all__ = ["Part", "regions"]
 
 
-class Region(NamedTuple):
+class Part(NamedTuple):
     """A part of the image: how many of its pixels differ by more than 1/255, and how many it has."""
 
     name: str
@@ -17,14 +17,14 @@ class Region(NamedTuple):
     pixels: int
 
 
-def regions(over: np.ndarray, reference: Reference) -> tuple[Region, ...]:
+def regions(over: np.ndarray, reference: Reference) -> tuple[Part, ...]:
     """The pixels of `over`, (height, width), that lie in each part of the scene; parts without pixels are left out.
 
     Sky, spheres and planes, which are the whole image; then, over all of these, the surfaces in shadow and the edges:
     pixels that border on one of another surface, colour, shadow, or side of the horizon.
     """
     return tuple(
-        Region(name, int(np.count_nonzero(over & part)), int(np.count_nonzero(part)))
+        Part(name, int(np.count_nonzero(over & part)), int(np.count_nonzero(part)))
         for name, part in _parts(reference).items()
         if part.any()
     )

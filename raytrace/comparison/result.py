@@ -12,7 +12,7 @@ from raytrace.comparison import metrics
 from raytrace.comparison.diagnosis import Diagnosis, diagnosis
 from raytrace.comparison.inputs import comparable
 from raytrace.comparison.reference import Reference
-from raytrace.comparison.regions import Region, regions
+from raytrace.comparison.regions import Part, regions
 from raytrace.image import Depth
 from raytrace.scene import Scene
 from raytrace.tables import html_table, text_table
@@ -48,7 +48,7 @@ class Comparison:
     flip: metrics.Flip
     searched: bool
     diagnosis: Diagnosis | None
-    regions: tuple[Region, ...]
+    regions: tuple[Part, ...]
     images: tuple[np.ndarray, np.ndarray] = field(repr=False, compare=False)
 
     @property

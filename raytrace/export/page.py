@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.export.views import told, with_views
+from raytrace.export.legend import legend, with_step_colors
 from raytrace.glsl import values_of, vertex_shader
 from raytrace.glsl.bindings import bindings
 from raytrace.glsl.choices import choices_of
 from raytrace.glsl.shader import shader_text
 from raytrace.scene.data import MatrixCamera, Scene
 from raytrace.scene.document import document_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.scene.toml import scene_toml
-from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.film import TONE_MAPPERS
 from raytrace.shader.uniforms import Program, Uniforms
 
@@ -60,14 +60,14 @@ def _drawn(uniforms: Uniforms, program: Program, pivot: np.ndarray) -> dict[str,
     fragments = {}
     for name in TONE_MAPPERS:
         choices = choices_of(uniforms, replace(program, tone_mapper=name), data="uniforms", output="steps")
-        fragments[name] = with_views(shader_text(choices, values), distance)
+        fragments[name] = with_step_colors(shader_text(choices, values), distance)
     flat, textures = bindings(choices, values)
     return {
         "vertex": vertex_shader(),
         "fragments": fragments,
         "uniforms": {name: np.ravel(value).tolist() for name, value in flat.items()},
         "textures": {name: _texture(texels) for name, texels in textures.items()},
-        "steps": told(distance),
+        "steps": legend(distance),
     }
 
 

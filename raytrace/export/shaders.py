@@ -8,7 +8,7 @@ from raytrace.errors import InputError
 from raytrace.glsl import fragment_shader
 from raytrace.glsl.choices import CONSTANT_VECTORS
 from raytrace.scene.data import MatrixCamera, OrthographicCamera, PerspectiveCamera, Scene
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 
 __all__ = ["glsl", "shaderlabweb"]
 
@@ -53,14 +53,14 @@ def _attached(text: str) -> list[str]:
 def _camera(camera: PerspectiveCamera | OrthographicCamera | MatrixCamera) -> list[str]:
     if isinstance(camera, MatrixCamera):
         return ["The scene's camera is given by its matrices; set ShaderLabWeb's as you like."]
-    told = f"and set the camera to position {_numbers(camera.position)}, target {_numbers(camera.target)}, "
-    told += f"near {_numbers(camera.near)}, far {_numbers(camera.far)}, "
+    camera_line = f"and set the camera to position {_numbers(camera.position)}, target {_numbers(camera.target)}, "
+    camera_line += f"near {_numbers(camera.near)}, far {_numbers(camera.far)}, "
     if isinstance(camera, PerspectiveCamera):
-        told += f"projection Perspective, FOV {_numbers(camera.field_of_view)}."
+        camera_line += f"projection Perspective, FOV {_numbers(camera.field_of_view)}."
     else:
-        told += "projection Orthographic (an extension here)."
+        camera_line += "projection Orthographic (an extension here)."
     level = np.array_equal(np.asarray(camera.up) / np.max(np.abs(camera.up)), [0, 1, 0])
-    return [told] if level else [told, "ShaderLabWeb's up is always (0, 1, 0): this camera's is another."]
+    return [camera_line] if level else [camera_line, "ShaderLabWeb's up is always (0, 1, 0): this camera's is another."]
 
 
 def _numbers(value: np.ndarray) -> str:

@@ -59,8 +59,8 @@ def matched(
         uniforms[uniform.name] = _fitted(found, uniform, meaning in _DIRECTIONS, where)
     for name in unused:
         names = [uniform.name for uniform in active]
-        told = did_you_mean(name, names, "used") if names else "it uses none"
-        raise InputError(f"{shader}: uses no uniform {name!r}; {told}")
+        used = did_you_mean(name, names, "used") if names else "it uses none"
+        raise InputError(f"{shader}: uses no uniform {name!r}; {used}")
     return uniforms, textures
 
 

@@ -120,7 +120,7 @@ def golden_folder(folder: str | Path) -> GoldenFolder:
     for name, entry in manifest.scenes.items():
         scene = scene_from_toml(entry.toml, f"{folder / MANIFEST}: scenes.{name}.toml")
         goldens.append(Golden(name, scene, manifest.size, folder / f"{name}{DISPLAY}"))
-        wrong = [told for file, sha256 in entry.files.items() if (told := _wrong(folder / file, sha256))]
+        wrong = [problem for file, sha256 in entry.files.items() if (problem := _wrong(folder / file, sha256))]
         if scene_hash(scene) != entry.sha256:
             wrong.append(f"{MANIFEST}: the scene is not the one that was rendered")
         if wrong:

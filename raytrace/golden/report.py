@@ -132,11 +132,11 @@ def _row(result: Checked) -> str:
 
 
 def _detail(result: Checked) -> str:
-    told = "".join(f"<li>{escape(wrong)}</li>" for wrong in result.failed)
+    items = "".join(f"<li>{escape(wrong)}</li>" for wrong in result.failed)
     picture = ""
     if result.comparison is not None:
         picture = f'<pre>{escape(str(result.comparison))}</pre><img alt="" src="{_diff(result.comparison)}">'
-    return f'<h2 id="{escape(result.name)}">{escape(result.name)}</h2><ul>{told}</ul>{picture}'
+    return f'<h2 id="{escape(result.name)}">{escape(result.name)}</h2><ul>{items}</ul>{picture}'
 
 
 def _picture(image: np.ndarray) -> str:

@@ -13,12 +13,12 @@ import numpy as np
 
 from raytrace.certificates import certify
 from raytrace.errors import InputError
+from raytrace.export.numbers import uniforms_report
 from raytrace.files import reason
 from raytrace.golden.golden import SIZE, rendered
 from raytrace.golden.manifest import MANIFEST, Entry, Manifest, file_hash, read_manifest
 from raytrace.image import write_image
 from raytrace.rendering import Options, Rendering
-from raytrace.report import uniforms_report
 from raytrace.scene import Scene, scene_hash, scene_toml, scenes
 from raytrace.shader.specification import SPECIFICATION
 

@@ -51,15 +51,15 @@ def attributes(path: Path, output: str, metadata: Mapping[str, str]) -> dict[str
 
     TIFF knows no names of ours, so its description holds them as JSON.
     """
-    told = {"DateTime": _EPOCH}
+    found = {"DateTime": _EPOCH}
     tiff, linear = path.suffix.lower() in _TIFF_ENDINGS, output == "linear"
     if tiff:
-        told["Exif:ColorSpace"] = _UNCALIBRATED if linear else _SRGB
+        found["Exif:ColorSpace"] = _UNCALIBRATED if linear else _SRGB
     else:
-        told["oiio:ColorSpace"] = "lin_rec709_scene" if linear else "srgb_rec709_display"
+        found["oiio:ColorSpace"] = "lin_rec709_scene" if linear else "srgb_rec709_display"
     if tiff:
-        return told | ({_DESCRIPTION: _PREFIX + json.dumps(dict(metadata))} if metadata else {})
-    return told | {_PREFIX + name: text for name, text in metadata.items()}
+        return found | ({_DESCRIPTION: _PREFIX + json.dumps(dict(metadata))} if metadata else {})
+    return found | {_PREFIX + name: text for name, text in metadata.items()}
 
 
 def metadata_of(attributes: Mapping[str, Any]) -> dict[str, str]:

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["quiet", "told"]
+__all__ = ["complaint_of", "quiet"]
 
 _QUIETENING = threading.Lock()
 
 
-def told(source: Any) -> str:
+def complaint_of(source: Any) -> str:
     """The last line of what a file of OpenImageIO, or the library itself, has to complain of; empty if nothing."""
     lines = source.geterror().strip().splitlines()
     return lines[-1] if lines else ""

@@ -8,8 +8,8 @@ import numpy as np
 from raytrace.errors import InputError
 from raytrace.image.depth import FLOAT32, Depth
 from raytrace.image.formats import metadata_of
-from raytrace.image.layers import STEP_CHANNELS, steps_of
-from raytrace.image.messages import quiet, told
+from raytrace.image.messages import complaint_of, quiet
+from raytrace.image.steps import STEP_CHANNELS, steps_of
 
 __all__ = ["read_depth", "read_image", "read_metadata", "read_planes"]
 
@@ -45,7 +45,7 @@ def read_planes(path: str | Path) -> dict[str, np.ndarray]:
         with quiet():
             pixels = file.read_image(0, 0, 0, spec.nchannels, oiio.FLOAT)
         if pixels is None or file.has_error:
-            raise InputError(f"{path}: is not a whole image: {told(file)}")
+            raise InputError(f"{path}: is not a whole image: {complaint_of(file)}")
     finally:
         file.close()
     depth = _depth(spec)
@@ -115,5 +115,5 @@ def _opened(path: Path) -> Any:
     with quiet():
         file = oiio.ImageInput.open(str(path), config)
     if file is None:
-        raise InputError(f"{path}: is not an image: {told(oiio)}")
+        raise InputError(f"{path}: is not an image: {complaint_of(oiio)}")
     return file

@@ -11,8 +11,8 @@ from raytrace.errors import InputError
 from raytrace.files import whole_file
 from raytrace.image.depth import array_of
 from raytrace.image.formats import attributes, file_format
-from raytrace.image.layers import STEP_CHANNELS, step_channels
-from raytrace.image.messages import quiet, told
+from raytrace.image.messages import complaint_of, quiet
+from raytrace.image.steps import STEP_CHANNELS, step_channels
 from raytrace.shader.main import COMPONENTS
 
 __all__ = ["ImageFile", "image_file", "write_image", "write_planes"]
@@ -36,7 +36,7 @@ class ImageFile:
             pixels = pixels.astype(np.float32, copy=False)
         last = self.rows + len(pixels)
         if not self._file.write_scanlines(self.rows, last, 0, np.ascontiguousarray(pixels)):
-            raise InputError(f"{self._path}: cannot be written: {told(self._file)}")
+            raise InputError(f"{self._path}: cannot be written: {complaint_of(self._file)}")
         self.rows = last
 
 
@@ -80,7 +80,7 @@ def image_file(
             spec.attribute(name, value)
         file = oiio.ImageOutput.create(str(temporary))
         if file is None or not file.open(str(temporary), spec):
-            raise InputError(f"{path}: cannot be written: {told(file or oiio)}")
+            raise InputError(f"{path}: cannot be written: {complaint_of(file or oiio)}")
         writer = ImageFile(file, path, kind, steps)
         try:
             yield writer
@@ -90,7 +90,7 @@ def image_file(
             raise
         # An incomplete file is closed without a complaint, and an error may be told only by the text.
         closed = file.close()
-        complaint = told(file)
+        complaint = complaint_of(file)
         if not closed or complaint or writer.rows != size[1]:
             raise InputError(f"{path}: cannot be written: {complaint or 'it is incomplete'}")
 

@@ -10,11 +10,10 @@ from raytrace.inverse.blocks import SIDE, Blocks
 from raytrace.inverse.descent import descended, widened
 from raytrace.inverse.likelihood import Noise, noise_of
 from raytrace.inverse.mismatch import Mismatch
-from raytrace.inverse.picture import EDGES, Target
+from raytrace.inverse.picture import EDGES, Target, coarse, shrunk
 from raytrace.inverse.posterior import Chart, Posterior, Stage, approach, degrees_between, sampled
 from raytrace.inverse.relit import Relit
 from raytrace.inverse.search import EXPOSURES, Guess, search
-from raytrace.inverse.shrunk import coarse, shrunk
 from raytrace.inverse.slopes import moved, sun_slopes
 from raytrace.scene.sun import sun_angles
 

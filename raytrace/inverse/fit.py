@@ -61,8 +61,8 @@ class SunFit:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the same for JSON, without the history."""
-        told = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "history"}
-        return told | {"direction": self.direction.tolist()}
+        found = {name: getattr(self, name) for name in self.__dataclass_fields__ if name != "history"}
+        return found | {"direction": self.direction.tolist()}
 
 
 class NotDetermined(RuntimeError):
@@ -117,7 +117,7 @@ def fit_sun(
     given = _sampling(samples, antialias)
     step = progress or (lambda done: None)
     end = explained(target, exposure, starts, given or target.made, given is not None, step)
-    fit = _told(end)
+    fit = _fit_of(end)
     if not end.mismatch.fits:
         raise _does_not_fit(end, fit, target, exposure, step)
     _check_determined(end, fit)
@@ -145,7 +145,7 @@ def _sampling(samples: int | None, antialias: str | None) -> int | str | None:
     return 1 if samples is None and antialias == "none" else samples
 
 
-def _told(end: End) -> SunFit:
+def _fit_of(end: End) -> SunFit:
     suns, stops = end.chart.suns(end.posterior.changes)
     weights = end.posterior.weights
     mean = weights @ suns
@@ -178,10 +178,10 @@ def _check_determined(end: End, fit: SunFit) -> None:
 
 def _does_not_fit(end: End, fit: SunFit, target: Target, exposure: bool, step: Callable[[int], Any]) -> DoesNotFit:
     """The error for a picture that is not explained, with what would explain it."""
-    told = f"the scene does not explain the picture: {end.mismatch}"
+    message = f"the scene does not explain the picture: {end.mismatch}"
     if end.mismatch.smooth:
         hint = "; only edges are off: has it other --samples, or is it blurred or compressed?"
-        return DoesNotFit(told + hint, (), fit)
+        return DoesNotFit(message + hint, (), fit)
     transfer = "srgb" if target.scene.film.transfer != "srgb" else "gamma2.2"
     other = replace(target, scene=replace(target.scene, film=replace(target.scene.film, transfer=transfer)))
     by_transfer = f"--set film.transfer={transfer}"
@@ -190,5 +190,5 @@ def _does_not_fit(end: End, fit: SunFit, target: Target, exposure: bool, step: C
         trials = [(("--exposure",), target, True), *trials, (("--exposure", by_transfer), other, True)]
     for flags, changed, free in trials:
         if explained(changed, free, 1, end.sampling, True, step).mismatch.smooth:
-            return DoesNotFit(f"{told}; with {' '.join(flags)} it does", flags, fit)
-    return DoesNotFit(f"{told}; is it another scene, another camera, cropped, blurred or compressed?", (), fit)
+            return DoesNotFit(f"{message}; with {' '.join(flags)} it does", flags, fit)
+    return DoesNotFit(f"{message}; is it another scene, another camera, cropped, blurred or compressed?", (), fit)

@@ -1,5 +1,6 @@
 """The picture that a sun is sought in: display values, how finely they are stored, and how its pixels were made."""
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,7 @@ from raytrace.image import read_metadata
 from raytrace.scene.data import Scene
 from raytrace.scene.toml import DEFAULT_SCENE, as_scene, load_scene, scene_from_toml
 
-__all__ = ["EDGES", "Target", "scene_seen", "target_of"]
+__all__ = ["EDGES", "Target", "coarse", "scene_seen", "shrunk", "target_of"]
 
 #: How pixels were made that are means over their squares; others are made of n x n samples.
 EDGES = "edges"
@@ -125,3 +126,25 @@ def _made(metadata: Any) -> int | str | None:
     if antialias == EDGES:
         return EDGES
     return int(samples) if samples.isdecimal() and int(samples) > 0 else None
+
+
+def coarse(size: tuple[int, int], pixels: int) -> tuple[int, int]:
+    """Return a size (width, height) of about so many pixels and the same shape; that of the image if it has no more."""
+    factor = max(1.0, math.sqrt(size[0] * size[1] / pixels))
+    return max(1, round(size[0] / factor)), max(1, round(size[1] / factor))
+
+
+def shrunk(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Return the means of an image (height, width, channels) over the pixels of one of `size`, (width, height)."""
+    if image.shape[1::-1] == size:
+        return image
+    across, down = (_shares(a, b) for a, b in zip(image.shape[1::-1], size, strict=True))
+    return np.einsum("yj,jic,xi->yxc", down, image, across, optimize=True)
+
+
+def _shares(fine: int, coarse: int) -> np.ndarray:
+    """How far each of the fine pixels along a line is in each of the coarse ones; the rows of it sum to one."""
+    ends = np.linspace(0, fine, coarse + 1)
+    pixels = np.arange(fine)
+    overlap = np.minimum(ends[1:, None], pixels + 1) - np.maximum(ends[:-1, None], pixels)
+    return np.maximum(overlap, 0) * coarse / fine

@@ -21,10 +21,8 @@ def kept(name: str, program: Program, jitted: Callable, given: tuple) -> Callabl
     """
     import jax
 
-    from raytrace.backends.jax.devices import ask_for_all_cores
     from raytrace.backends.jax.stored import choices_as_text
 
-    ask_for_all_cores()
     choices = choices_as_text(program)
     if choices is None:
         return jitted

@@ -18,7 +18,7 @@ from raytrace.inverse.blocks import SIDE, Blocks
 from raytrace.inverse.likelihood import Noise, log_likelihood
 from raytrace.inverse.programs import kept
 from raytrace.scene.data import Scene
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.uniforms import Program
 
 __all__ = ["Relit"]
@@ -57,9 +57,6 @@ class Relit:
         import jax
         import jax.numpy as jnp
 
-        from raytrace.backends.jax.devices import ask_for_all_cores
-
-        ask_for_all_cores()
         width, height = target.shape[1::-1]
         # An exposure of 0 would not be a part of the program.
         exposed = replace(scene, film=replace(scene.film, exposure=np.float64(1)))

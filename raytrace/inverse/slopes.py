@@ -10,7 +10,7 @@ import numpy as np
 from raytrace.inverse.programs import kept
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
-from raytrace.scene.uniforms import program_of
+from raytrace.scene.to_uniforms import program_of
 
 __all__ = ["moved", "sun_slopes"]
 

@@ -9,8 +9,10 @@ import numpy as np
 
 from raytrace.errors import InputError
 from raytrace.image import write_image
+from raytrace.rendering import render
+from raytrace.scene import Scene
 
-__all__ = ["Pictures", "pictures", "png"]
+__all__ = ["Pictures", "pictures", "png", "scene_as_png"]
 
 
 def png(image: Any) -> bytes:
@@ -19,6 +21,14 @@ def png(image: Any) -> bytes:
         path = Path(folder) / "image.png"
         write_image(path, np.asarray(image))
         return path.read_bytes()
+
+
+def scene_as_png(scene: Scene) -> bytes | None:
+    """Return a scene's picture as the content of a PNG file; ``None`` of one that is traced or wrong."""
+    try:
+        return png(render(scene, (480, 270)))
+    except (InputError, TypeError):
+        return None
 
 
 def pictures(*images: Any, titles: tuple[str, ...] = (), columns: int = 3, width: float = 10.0) -> "Pictures":

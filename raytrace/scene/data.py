@@ -58,7 +58,7 @@ Vectors: TypeAlias = Any  # shape (n, 3)
 
 T = TypeVar("T")
 
-#: A camera that looks along its own up, as far as can be told, has no sideways; the sine of the angle between them.
+#: A camera that looks along its own up, as far as numbers show, has no sideways; the sine of the angle between them.
 LEAST_SINE = 1e-9
 NODES: list[type] = []
 
@@ -66,12 +66,12 @@ NODES: list[type] = []
 def _node(cls: type[T]) -> type[T]:
     """Make a frozen dataclass, which is a JAX pytree (`raytrace.scene.pytree`); its docstring names the fields."""
     cls = dataclass(frozen=True, eq=False)(cls)
-    told = [
+    lines = [
         f"{entry.name}: {entry.metadata['words']}{of}."
         for entry in fields(cls)
         for of in [f"; {entry.metadata['kind']}" if "kind" in entry.metadata else ""]
     ]
-    cls.__doc__ = "\n    ".join([f"{cls.__doc__}\n", *told])
+    cls.__doc__ = "\n    ".join([f"{cls.__doc__}\n", *lines])
     NODES.append(cls)
     return cls
 

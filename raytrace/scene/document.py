@@ -91,13 +91,13 @@ def _explained(error: ValidationError, document: Any) -> str:
     context = first.get("ctx", {})
     path = _path(first["loc"], document)
     if first["type"] == "wrong_key":
-        told = f"{_join(path, context['key'])}: {first['msg']}"
+        mistake = f"{_join(path, context['key'])}: {first['msg']}"
     elif first["type"] == "missing":
-        told = f"{path}: missing"
+        mistake = f"{path}: missing"
     else:
         message = first["msg"].replace("Input should", "must")
-        told = f"{path or 'scene'}: {message}{'' if 'found' in message else _found(first['input'])}"
-    return told + (f" (and {len(more)} more)" if more else "")
+        mistake = f"{path or 'scene'}: {message}{'' if 'found' in message else _found(first['input'])}"
+    return mistake + (f" (and {len(more)} more)" if more else "")
 
 
 def _found(value: Any) -> str:

@@ -7,7 +7,7 @@ import numpy as np
 
 from raytrace.rendering import render
 from raytrace.scene.data import MatrixCamera, Scene
-from raytrace.scene.uniforms import uniforms_of
+from raytrace.scene.to_uniforms import uniforms_of
 from raytrace.studies.worlds import PARAMETERS
 
 __all__ = ["Difference", "block_sums", "difference"]

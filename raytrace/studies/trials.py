@@ -12,7 +12,7 @@ from raytrace.inverse.posterior import degrees_between
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 
-__all__ = ["Trial", "told", "trials"]
+__all__ = ["Trial", "summary", "trials"]
 
 #: The standard deviation of the noise, in display values.
 NOISE = 2 / 255
@@ -54,7 +54,7 @@ def trials(scene: Scene, number: int, size: tuple[int, int], samples: int, seed:
         yield Trial(float(np.degrees(np.arcsin(direction[1]))), *found, time.perf_counter() - begun)
 
 
-def told(found: list[Trial]) -> str:
+def summary(found: list[Trial]) -> str:
     """Return a line for each, and what they come to."""
     lines = ["elevation     error  68 % within  95 % within   seconds"]
     lines += [

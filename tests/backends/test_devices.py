@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import numpy as np
 import pytest
 
 import raytrace
+from raytrace.cores import cores
 from tests.processes import COMMAND, command, peak_memory, started
 from tests.scenes import some
 
@@ -36,12 +38,30 @@ def test_eight_devices(tmp_path, scene):
     np.testing.assert_array_equal(one, eight)
 
 
-def test_every_core_has_a_device_unless_jax_has_begun(tmp_path):
-    from raytrace.cores import cores
+def devices_and_log(tmp_path, calls, devices):
+    """What is logged of a rendering after such calls, by so many devices."""
+    code = RENDER.replace("image =", f"{calls}; image =")
+    command = [sys.executable, "-c", code, "skybox", str(tmp_path / "a.npy"), str(devices)]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stderr
 
-    drawn(tmp_path, "skybox", cores())
-    begun = RENDER.replace("image =", "jax.devices(); image =")
-    subprocess.run([sys.executable, "-c", begun, "skybox", str(tmp_path / "a.npy"), "1"], check=True)
+
+def test_every_core_has_a_device_if_that_is_asked_for(tmp_path):
+    assert devices_and_log(tmp_path, "raytrace.use_all_cores()", cores()) == ""
+    begun = devices_and_log(tmp_path, "jax.devices(); raytrace.use_all_cores()", 1)
+    assert begun.startswith("JAX is initialised; its device count can no longer change\n")
+    assert devices_and_log(tmp_path, "jax.config.update('jax_num_cpu_devices', 1); raytrace.use_all_cores()", 1) == ""
+
+
+@pytest.mark.skipif(cores() == 1, reason="there is only one core")
+def test_a_library_user_is_told_once_of_cores_that_do_not_draw(tmp_path):
+    told = devices_and_log(tmp_path, "raytrace.render('skybox', (8, 8))", 1)
+    assert told.count("\n") == 1
+    assert "call raytrace.use_all_cores()" in told
+
+
+def test_the_command_uses_all_cores():
+    done = command("bench", "--roofline", "--size", "16x16", "--runs", "1")
+    assert re.match(rf"JAX \S+ on {cores()} CPU devices; {cores()} cores\n", done.stdout)
 
 
 @pytest.mark.full

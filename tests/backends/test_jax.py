@@ -11,8 +11,8 @@ import raytrace
 from raytrace.backends.jax import OneProgram, Renderer, Staged
 from raytrace.backends.job import Job
 from raytrace.rendering import Options, Rendering
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.scene.toml import figures
-from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
 from tests.scenes import SEVERAL_SCENES, some
 from tests.strategies import many

@@ -9,8 +9,8 @@ from raytrace.backends.job import Job
 from raytrace.backends.numpy import Renderer
 from raytrace.language.control import Engine
 from raytrace.rendering import Options, Rendering
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.scene.toml import figures
-from raytrace.scene.uniforms import program_of, uniforms_of
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.studies.stress.shadows import scaled

@@ -14,7 +14,7 @@ from raytrace.backends.jax import Staged, staged
 from raytrace.backends.jax.renderer import Renderer
 from raytrace.backends.job import Job
 from raytrace.rendering import Options, Rendering
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
 from tests.scenes import SEVERAL_SCENES, examples, some
 from tests.strategies import many, scenes
@@ -214,7 +214,7 @@ def primitives(scene, size=(32, 18)):
                 if hasattr(inner, "eqns"):
                     count(inner)
 
-    from raytrace.backends.jax.drawing import draw
+    from raytrace.backends.jax.draw import draw
 
     def program_text(numbers, mode, first):
         uniforms = renderer.layout.unpack(numbers)

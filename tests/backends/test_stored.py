@@ -8,7 +8,7 @@ import pytest
 import raytrace
 from raytrace.backends.jax import Staged, renderer, stored
 from raytrace.backends.job import Job
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
 
 

@@ -10,7 +10,7 @@ from raytrace.certificates.bounds import MOST_COURSES, TOO_MANY, _Program, image
 from raytrace.language.control import Engine
 from raytrace.language.tree import tree_map
 from raytrace.scene.check import check_scene
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
 from tests.certificates.provoking import SIZE, provoking_scene
 from tests.scenes import some

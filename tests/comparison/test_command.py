@@ -94,7 +94,7 @@ BAD_INPUT = [
     (["a.png", "b.png", "--set", "lighting='on'"], "--set: changes a scene; give one (--scene)"),
     (["a.png", "b.png", "--a-is", "log"], "kind of values: unknown 'log'"),
     (["a.png", "b.png", "--min-ssim", "high"], "'--min-ssim'"),
-    (["a.png", "b.png", "--diff", "d.jpg"], "d.jpg: the picture of a comparison is a .png file"),
+    (["a.png", "b.png", "--diff", "d.jpg"], "d.jpg: a figure's file must be named *.png"),
     (["a.png", "b.png", "--diff", "nowhere/d.png"], "the folder nowhere does not exist"),
     (["--matrix", "--size", "0x1"], "size: must be (width, height)"),
     (["a.png", "b.png", "--matrix"], "--matrix: takes a scene and a size"),

@@ -11,7 +11,7 @@ from raytrace.comparison.diagnosis import diagnosis
 from raytrace.comparison.metrics import pixels_over
 from raytrace.comparison.reference import Reference
 from raytrace.rendering import Options, Rendering
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.camera import pixel_to_ndc
 from raytrace.shader.main import main
 

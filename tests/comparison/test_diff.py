@@ -40,7 +40,7 @@ def test_the_worst_spots_are_apart_and_the_worst_is_first():
 
 def test_what_cannot_be_written():
     comparison = raytrace.compare(*pair((4, 4)))
-    for path, told in {"d.jpg": r"d\.jpg: the picture of a comparison is a \.png", "no/d.png": "the folder no"}.items():
+    for path, told in {"d.jpg": r"d\.jpg: a figure's file must be named \*\.png", "no/d.png": "the folder no"}.items():
         with pytest.raises(InputError, match=told):
             write_diff(path, comparison)
     assert list(Path().iterdir()) == []

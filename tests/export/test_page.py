@@ -14,8 +14,8 @@ from raytrace.cli.export import export
 from raytrace.export import EXPORTS
 from raytrace.glsl import values_of
 from raytrace.scene.sun import sun_angles
+from raytrace.scene.to_uniforms import uniforms_of
 from raytrace.scene.toml import scene_toml
-from raytrace.scene.uniforms import uniforms_of
 from tests.export.conftest import SIZE, SMALL, differing
 from tests.scenes import some
 from tests.strategies import many

@@ -8,7 +8,7 @@ from raytrace.errors import InputError
 from raytrace.glsl.matching import matched, parse_uniforms
 from raytrace.glsl.meanings import MEANINGS, meaning_of, meanings
 from raytrace.glsl.values import values_of
-from raytrace.scene.uniforms import uniforms_of
+from raytrace.scene.to_uniforms import uniforms_of
 
 VALUES = values_of(uniforms_of(raytrace.load_scene("checkerboard"), 2.0))
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import raytrace
 from raytrace.glsl import fragment_shader
 from raytrace.glsl.numbers import number, vector
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 
 BASE = raytrace.load_scene("checkerboard")
 

@@ -9,7 +9,7 @@ import pytest
 import raytrace
 from raytrace.errors import InputError
 from raytrace.inverse.fit import DoesNotFit, NotDetermined, fit_sun, fitted_scene
-from raytrace.studies.trials import Trial, told, trials
+from raytrace.studies.trials import Trial, summary, trials
 from tests.inverse.worlds import SIZE, drawn, noisy, off, under, world
 from tests.processes import command
 from tests.scenes import some
@@ -174,7 +174,7 @@ def test_the_command(image):
 
 def test_trials_are_told():
     found = [Trial(30.0, 0.01, 0.02, 0.04, 20.0), Trial(50.0, 0.03, 0.02, 0.04, 7.0), Trial(70.0, 0.5, 0.02, 0.04, 8.0)]
-    text = told([*found, Trial(2.0, np.nan, np.nan, np.nan, 1.0)])
+    text = summary([*found, Trial(2.0, np.nan, np.nan, np.nan, 1.0)])
     assert "4 suns, of which 1 are called undetermined or not explained" in text
     assert "of 3: 33.3 % in the 68 % region, 66.7 % in the 95 % region" in text
     assert "first, with compiling, 20.0" in text

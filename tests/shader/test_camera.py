@@ -4,7 +4,7 @@ from hypothesis import given
 
 import raytrace
 from raytrace.language.glsl import Vec2, dot
-from raytrace.scene.uniforms import uniforms_of
+from raytrace.scene.to_uniforms import uniforms_of
 from raytrace.shader.camera import orthographic_ray, pixel_to_ndc, primary_ray
 from tests.strategies import cameras, numbers
 

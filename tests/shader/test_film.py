@@ -4,10 +4,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import raytrace
-from raytrace.arithmetic.intervals import GLSL_HIGHP, REAL, Namespace
+from raytrace.arithmetic.intervals import GLSL_HIGHP, REAL, IntervalNamespace
 from raytrace.language.glsl import Vec3
 from raytrace.language.tree import tree_map
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS, develop
 from tests.strategies import numbers, vec3
 
@@ -151,7 +151,7 @@ def test_every_arithmetic_and_every_bound_agrees_on_negative_light(mapper):
     for number in (np.float32, np.float64, np.longdouble, jnp.float32):
         assert display(number)[:2] == (0, 0)
     for model in (REAL, GLSL_HIGHP):
-        red, green, blue = display(Namespace(model).given)
+        red, green, blue = display(IntervalNamespace(model).given)
         assert red.low == green.low == 0
         assert max(red.high, green.high) <= 1e-6
         assert blue.low <= display(np.float64).z <= blue.high <= blue.low + 1e-4

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import raytrace
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.light import light_at_point, shadow_ray
 from tests.strategies import directions, positions, unit, vec3
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 
 import raytrace
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.main import closest_hit
 from tests.scenes import some
 from tests.strategies import directions, positions, scenes, unit, vec3

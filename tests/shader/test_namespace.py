@@ -10,7 +10,7 @@ import raytrace
 from raytrace.language.literal import literal
 from raytrace.language.namespace import lift, namespace
 from raytrace.language.tree import tree_map
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.film import aces, gamma22
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame, pixels

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.scene.uniforms import uniforms_of
+from raytrace.scene.to_uniforms import uniforms_of
 from raytrace.shader.sky import background_color
 from tests.strategies import unit, vec3
 

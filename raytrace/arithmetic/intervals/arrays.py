@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.arithmetic.intervals.errors import ErrorModel
+from raytrace.arithmetic.intervals.error_models import ErrorModel
 from raytrace.arithmetic.intervals.rounding import exact_product, exact_sum, outward, outward_sum, widened
 
 __all__ = ["BOOL", "INT", "Condition", "Interval", "bounded", "is_power_of_two"]

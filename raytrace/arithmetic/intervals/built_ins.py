@@ -1,8 +1,8 @@
 """GLSL's built-ins on intervals of float32: bounds of every form that an implementation may give them.
 
-`raytrace.arithmetic.intervals.errors.BUILT_INS` is the table of these forms. A fused multiply-add needs no form of its
-own: the interval of a product holds the exact product as well as both of its roundings, so a sum with it holds all
-three sums.
+`raytrace.arithmetic.intervals.error_models.BUILT_INS` is the table of these forms. A fused multiply-add needs no form
+of its own: the interval of a product holds the exact product as well as both of its roundings, so a sum with it holds
+all three sums.
 """
 
 from collections.abc import Iterable

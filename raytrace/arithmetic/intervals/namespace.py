@@ -8,14 +8,14 @@ import numpy as np
 
 from raytrace.arithmetic.intervals import built_ins
 from raytrace.arithmetic.intervals.arrays import BOOL, INT, Condition, Interval, bounded
-from raytrace.arithmetic.intervals.errors import LIBM, ULP32, ULP64, ErrorModel
+from raytrace.arithmetic.intervals.error_models import LIBM, ULP32, ULP64, ErrorModel
 from raytrace.arithmetic.intervals.rounding import outward, widened
 from raytrace.language.namespace import Unlimited
 
-__all__ = ["Namespace"]
+__all__ = ["IntervalNamespace"]
 
 
-class Namespace:
+class IntervalNamespace:
     """An array namespace (`__array_namespace__`) with an error model.
 
     decide: gives what holds of a condition that may hold and may fail; without, it stays undecided.

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 
 from raytrace.arithmetic.intervals.arrays import Condition, Interval
-from raytrace.arithmetic.intervals.culling import candidates
+from raytrace.arithmetic.intervals.candidates import candidates
 from raytrace.language.control import Engine, count
 from raytrace.language.tree import tree_map
 from raytrace.shader.uniforms import Sphere

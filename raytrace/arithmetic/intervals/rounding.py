@@ -7,7 +7,7 @@ are exact.
 
 import numpy as np
 
-from raytrace.arithmetic.intervals.errors import ULP32, ULP64, ErrorModel
+from raytrace.arithmetic.intervals.error_models import ULP32, ULP64, ErrorModel
 from raytrace.language.types import Array
 
 __all__ = ["exact_product", "exact_sum", "outward", "outward_sum", "widened"]

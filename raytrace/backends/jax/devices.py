@@ -1,7 +1,8 @@
 """Which devices draw: all cores of this machine, and all machines of a cluster."""
 
+import logging
 import os
-from contextlib import suppress
+from functools import cache
 from typing import Any
 
 import jax
@@ -10,21 +11,49 @@ from jax.sharding import Mesh
 
 from raytrace.cores import cores
 
-__all__ = ["AXIS", "ask_for_all_cores", "fetched", "mesh", "one_device"]
+__all__ = ["AXIS", "fetched", "hint_at_cores", "mesh", "one_device", "use_all_cores"]
+
+LOG = logging.getLogger("raytrace")
 
 #: The name of the mesh's one axis.
 AXIS = "device"
 
 
-def ask_for_all_cores() -> None:
-    """A CPU device for each core, if JAX has not begun yet and nobody else has said how many there should be."""
-    chosen = jax.config.jax_num_cpu_devices >= 0 or "xla_force_host_platform_device_count" in os.environ.get(
-        "XLA_FLAGS", ""
-    )
-    if chosen:
+def use_all_cores() -> None:
+    """Give JAX a CPU device for each core; `raytrace.render` then draws with all of them.
+
+    Call it before JAX is used, as JAX counts its devices once; after that it only logs that it came too late. It sets
+    JAX's option ``jax_num_cpu_devices``, which the whole process sees: an array of `render` is spread over the devices.
+    Where the user has chosen a number already, that stays. The command `raytrace` makes this call.
+    """
+    if _chosen():
         return
-    with suppress(RuntimeError):  # JAX has begun: there are the devices that there are
+    try:
         jax.config.update("jax_num_cpu_devices", cores())
+    except RuntimeError:
+        LOG.warning("JAX is initialised; its device count can no longer change")
+
+
+def hint_at_cores() -> None:
+    """Log, once, that JAX has one device on a processor of several cores, unless that was asked for."""
+    if not _chosen():
+        _hint(len(jax.local_devices()), cores(), jax.default_backend())
+
+
+@cache
+def _hint(devices: int, available: int, platform: str) -> None:
+    if platform == "cpu" and devices < available:
+        LOG.warning(
+            "JAX draws with %d of %d cores; call raytrace.use_all_cores() before JAX is used to draw with all of them",
+            devices,
+            available,
+        )
+
+
+def _chosen() -> bool:
+    """Whether somebody has said how many CPU devices there should be."""
+    flags = os.environ.get("XLA_FLAGS", "")
+    return jax.config.jax_num_cpu_devices >= 0 or "xla_force_host_platform_device_count" in flags
 
 
 def mesh() -> Mesh:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from raytrace.backends.culling import Beam, Bounds, Coordinates, Pencil, Region, outside
+from raytrace.backends.culling import Beam, Coordinates, Extent, Pencil, Region, outside
 
 __all__ = ["Candidates", "Grid", "candidates", "grid"]
 
@@ -45,7 +45,7 @@ class Grid(NamedTuple):
     v: jax.Array
     cell_u: jax.Array
     cell_v: jax.Array
-    box: Bounds
+    box: Extent
 
 
 class Candidates(NamedTuple):
@@ -78,7 +78,7 @@ def _row(x: jax.Array, low: jax.Array, cell: jax.Array, rows: int) -> jax.Array:
     return jnp.clip(jnp.floor((x - low) / cell), 0, rows - 1).astype(jnp.int32)
 
 
-def grid(rays: Pencil | Beam, bounds: Bounds) -> Grid:
+def grid(rays: Pencil | Beam, bounds: Extent) -> Grid:
     """The grid for spheres of these bounds."""
     n = bounds.u_low.shape[0]
     side = _side(n)
@@ -115,7 +115,7 @@ def grid(rays: Pencil | Beam, bounds: Bounds) -> Grid:
     counts = jnp.zeros(cells + 3, jnp.int32).at[key].add(1)
     ends = jnp.cumsum(counts, dtype=jnp.int32)
     small = ~large & ~unmet
-    box = Bounds(
+    box = Extent(
         *(
             jnp.min(jnp.where(small, x, jnp.inf)) if name.endswith("low") else jnp.max(jnp.where(small, x, -jnp.inf))
             for name, x in bounds._asdict().items()

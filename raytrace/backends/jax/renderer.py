@@ -13,8 +13,8 @@ import numpy as np
 from jax import lax
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from raytrace.backends.jax.devices import ask_for_all_cores, fetched, mesh, one_device
-from raytrace.backends.jax.drawing import draw, engine_of, tiles_of
+from raytrace.backends.jax.devices import fetched, hint_at_cores, mesh, one_device
+from raytrace.backends.jax.draw import draw, engine_of, tiles_of
 from raytrace.backends.jax.forward import by_forward_mode
 from raytrace.backends.jax.packing import Layout, pack
 from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, culling
@@ -121,7 +121,6 @@ class Renderer:
     """
 
     def __init__(self, uniforms: Uniforms, job: Job):
-        ask_for_all_cores()
         #: What the program depends on: not the switch that it is given when it runs.
         self.job, self.mode = replace(job, skip=True, exact_inputs=False), int(not job.skip)
         self.traced = any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(uniforms))
@@ -133,7 +132,10 @@ class Renderer:
             )
         # What somebody makes of a traced image, such as its mean and the mean's derivative, has devices wait for each
         # other in an order that XLA's threads may not keep: with as many threads as devices they wait for ever.
-        self.devices = mesh() if isinstance(engine_of(job), Staged) and not self.traced else one_device()
+        spread = isinstance(engine_of(job), Staged) and not self.traced
+        if spread:
+            hint_at_cores()
+        self.devices = mesh() if spread else one_device()
         if self.traced:
             self.uniforms = jax.tree.map(partial(_given, dtype=job.dtype, exact=job.exact_inputs), uniforms)
         else:

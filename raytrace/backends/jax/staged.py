@@ -16,7 +16,7 @@ import jax.numpy as jnp
 from jax import lax
 from jax.ad_checkpoint import checkpoint_name
 
-from raytrace.backends.culling import Beam, Bounds, Pencil, Region, outside, primary_rays, shadow_rays
+from raytrace.backends.culling import Beam, Extent, Pencil, Region, outside, primary_rays, shadow_rays
 from raytrace.backends.jax.engines import OneProgram, OwnFunctions, shaped
 from raytrace.backends.jax.grid import Grid, candidates, grid
 from raytrace.backends.jax.traced import traced
@@ -45,7 +45,7 @@ class Visible(NamedTuple):
     """
 
     rays: Pencil | Beam
-    bounds: Bounds
+    bounds: Extent
     grid: Grid | None = None
     by_cell: Sphere | None = None
     large: jax.Array | None = None

@@ -116,7 +116,7 @@ def _processor() -> str:
     """The processor's model and what it can do."""
     with suppress(OSError):
         lines = Path("/proc/cpuinfo").read_text().splitlines()
-        told = {line.partition(":")[0].strip(): line for line in lines}
+        about = {line.partition(":")[0].strip(): line for line in lines}
         # The names on x86 and on ARM.
-        return "\n".join(told.get(key, "") for key in ("model name", "flags", "CPU part", "Features"))
+        return "\n".join(about.get(key, "") for key in ("model name", "flags", "CPU part", "Features"))
     return f"{platform.machine()} {platform.processor()}"

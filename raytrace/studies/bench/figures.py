@@ -10,9 +10,9 @@ from raytrace.notebook import view
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
+from raytrace.studies.bench.accuracy import reference
 from raytrace.studies.bench.contenders import mitsuba_frame, plain_jit
 from raytrace.studies.bench.crowds import crowd
-from raytrace.studies.bench.errors import reference
 from raytrace.studies.bench.scaling import preparation
 from raytrace.studies.bench.timing import in_turn
 
@@ -20,12 +20,12 @@ __all__ = ["Figure", "figures"]
 
 
 class Figure(NamedTuple):
-    """What is measured, what was reached and what was to be reached at most; `told` says of what the ratio is."""
+    """What is measured, what was reached and what was to be reached at most; `detail` says of what the ratio is."""
 
     name: str
     reached: float
     at_most: float
-    told: str
+    detail: str
 
 
 Frames = dict[str, Callable[[], Any]]
@@ -86,8 +86,8 @@ def _crowds(size: tuple[int, int], runs: int) -> Iterator[Figure]:
         yield from _ratios(frames, runs, [(name, "jax32", "mitsuba", at_most)])
         if n == 100_000:
             ours = preparation(scene, size)
-            told = f"{ours:.0f} / {building:.0f} ms"
-            yield Figure(f"{n:,} spheres: preparation / Mitsuba's build", ours / building, 0.02, told)
+            detail = f"{ours:.0f} / {building:.0f} ms"
+            yield Figure(f"{n:,} spheres: preparation / Mitsuba's build", ours / building, 0.02, detail)
 
 
 def _gradient(size: tuple[int, int], runs: int) -> Iterator[Figure]:
@@ -150,6 +150,6 @@ def _errors(size: tuple[int, int], runs: int) -> Iterator[Figure]:
     """Errors:"""
     exact = reference(DEFAULT_SCENE, size)
     errors = exact.errors(render(DEFAULT_SCENE, size, intersection="robust"))
-    told = f"against NumPy {exact.dtype}, off discontinuities"
-    yield Figure("JAX float32 robust, 99.9th percentile of the error", errors.percentile_999, 2e-6, told)
-    yield Figure("JAX float32 robust, largest error", errors.largest, 5e-5, told)
+    detail = f"against NumPy {exact.dtype}, off discontinuities"
+    yield Figure("JAX float32 robust, 99.9th percentile of the error", errors.percentile_999, 2e-6, detail)
+    yield Figure("JAX float32 robust, largest error", errors.largest, 5e-5, detail)

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from raytrace.files import save_figure
 from raytrace.scene.data import Scene
+from raytrace.studies.bench.accuracy import Errors, reference
 from raytrace.studies.bench.contenders import Contender
-from raytrace.studies.bench.errors import Errors, reference
 from raytrace.studies.bench.timing import Timing, in_turn
 
 __all__ = ["Row", "front", "measured", "plot"]

@@ -7,7 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-__all__ = ["Timing", "in_turn", "ready"]
+from raytrace.cores import cores
+
+__all__ = ["Timing", "in_turn", "ready", "state"]
 
 
 #: Seconds of rest before each frame: some thread pools go on spinning after theirs, and would slow down the next.
@@ -20,6 +22,14 @@ class Timing(NamedTuple):
     median: float
     fastest: float
     slowest: float
+
+
+def state() -> str:
+    """Return what the times depend on: JAX's version and devices, and the cores."""
+    import jax
+
+    devices = jax.devices()
+    return f"JAX {jax.__version__} on {len(devices)} {devices[0].platform.upper()} devices; {cores()} cores"
 
 
 def ready(image: Any) -> Any:

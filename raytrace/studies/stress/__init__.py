@@ -3,7 +3,7 @@
 from raytrace.studies.stress.axes import AXES
 from raytrace.studies.stress.bounds import BOUNDS, Verdict, verdicts
 from raytrace.studies.stress.effort import FULL, QUICK, Effort
-from raytrace.studies.stress.measure import Point
+from raytrace.studies.stress.measure import Measurement
 from raytrace.studies.stress.running import stress
 
-__all__ = ["AXES", "BOUNDS", "FULL", "QUICK", "Effort", "Point", "Verdict", "stress", "verdicts"]
+__all__ = ["AXES", "BOUNDS", "FULL", "QUICK", "Effort", "Measurement", "Verdict", "stress", "verdicts"]

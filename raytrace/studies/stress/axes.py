@@ -6,7 +6,7 @@ from typing import NamedTuple
 from raytrace.studies.stress.cameras import CameraStress
 from raytrace.studies.stress.effort import Effort
 from raytrace.studies.stress.functions import FunctionStress
-from raytrace.studies.stress.measure import Point
+from raytrace.studies.stress.measure import Measurement
 from raytrace.studies.stress.planes import PlaneStress
 from raytrace.studies.stress.shadows import ShadowStress
 from raytrace.studies.stress.spheres import SphereStress
@@ -48,29 +48,29 @@ AXES = {
 }
 
 
-def _spheres(effort: Effort) -> Iterator[Callable[[], Iterator[Point]]]:
+def _spheres(effort: Effort) -> Iterator[Callable[[], Iterator[Measurement]]]:
     stress = SphereStress(effort)
     yield from (stress.distance, stress.radius, stress.offset, stress.grazing, stress.inside, stress.outside)
     yield stress.search
 
 
-def _cameras(effort: Effort) -> Iterator[Callable[[], Iterator[Point]]]:
+def _cameras(effort: Effort) -> Iterator[Callable[[], Iterator[Measurement]]]:
     stress = CameraStress(effort)
     yield from (stress.narrow_view, stress.wide_view, stress.near_far, stress.camera_matrix)
 
 
-def _planes(effort: Effort) -> Iterator[Callable[[], Iterator[Point]]]:
+def _planes(effort: Effort) -> Iterator[Callable[[], Iterator[Measurement]]]:
     stress = PlaneStress(effort)
     yield from (stress.plane, stress.checkerboard)
 
 
-def _functions(effort: Effort) -> Iterator[Callable[[], Iterator[Point]]]:
+def _functions(effort: Effort) -> Iterator[Callable[[], Iterator[Measurement]]]:
     stress = FunctionStress(effort)
     yield from (stress.gamma, stress.sky_gradient, stress.sun_lobe, stress.lobe_vanishes, stress.tone_mapping)
     yield from (stress.normalization, stress.sun)
 
 
-def _shadows(effort: Effort) -> Iterator[Callable[[], Iterator[Point]]]:
+def _shadows(effort: Effort) -> Iterator[Callable[[], Iterator[Measurement]]]:
     yield ShadowStress(effort).points
 
 

@@ -9,12 +9,12 @@ from raytrace.arithmetic.exact import precision
 from raytrace.language.glsl import Mat4, Vec2, Vec4
 from raytrace.language.tree import tree_map
 from raytrace.scene.data import OrthographicCamera, PerspectiveCamera, Scene
-from raytrace.scene.uniforms import uniforms_of
+from raytrace.scene.to_uniforms import uniforms_of
 from raytrace.shader.camera import orthographic_ray, primary_ray
 from raytrace.shader.uniforms import Camera
 from raytrace.studies.stress.arithmetics import exactly, of_floats
 from raytrace.studies.stress.effort import Effort
-from raytrace.studies.stress.measure import INPUT, Point, at_one, summary
+from raytrace.studies.stress.measure import INPUT, Measurement, at_one, summary
 
 __all__ = ["CameraStress"]
 
@@ -34,23 +34,23 @@ class CameraStress:
         self.rays = [(a.name, a.dtype, a.of(primary_ray)) for a in of_floats()]
         self.parallel = [(a.name, a.dtype, a.of(orthographic_ray)) for a in of_floats()]
 
-    def narrow_view(self) -> Iterator[Point]:
+    def narrow_view(self) -> Iterator[Measurement]:
         for degrees in self.effort.decades(-7, 2):
             yield from self._directions("narrow_view", degrees, _perspective(field_of_view=float(degrees)))
 
-    def wide_view(self) -> Iterator[Point]:
+    def wide_view(self) -> Iterator[Measurement]:
         """By how many degrees the view is less than half of everything."""
         for degrees in self.effort.decades(-7, 2):
             yield from self._directions("wide_view", degrees, _perspective(field_of_view=180 - float(degrees)))
 
-    def near_far(self) -> Iterator[Point]:
+    def near_far(self) -> Iterator[Measurement]:
         """A perspective camera's directions, and the origins of an orthographic one's rays, on its near plane."""
         for ratio in self.effort.decades(0, 12):
             planes = {"near": 0.1, "far": 0.1 * float(ratio) * (1 + 1e-3)}
             yield from self._directions("near_far", ratio, _perspective(**planes))
             yield from self._origins("near_far", ratio, _matrices(OrthographicCamera(3.0, **PLACED, **planes)))
 
-    def camera_matrix(self) -> Iterator[Point]:
+    def camera_matrix(self) -> Iterator[Measurement]:
         """Matrices of any kind, by the condition number of each, at and around the place that they nearly make 0."""
         for condition in self.effort.decades(0, 10):
             x, y = self.random.uniform(-1, 1, 2)
@@ -59,10 +59,10 @@ class CameraStress:
             place = Vec2(*(np.array([[x], [y]], np.longdouble) + near))
             yield from self._directions("camera_matrix", condition, matrices, place)
 
-    def _directions(self, axis: str, x: float, camera: Camera, place: Vec2 | None = None) -> Iterator[Point]:
+    def _directions(self, axis: str, x: float, camera: Camera, place: Vec2 | None = None) -> Iterator[Measurement]:
         yield from self._points(axis, x, camera, self.rays, lambda ray: ray[1], primary_ray, "direction", place)
 
-    def _origins(self, axis: str, x: float, camera: Camera) -> Iterator[Point]:
+    def _origins(self, axis: str, x: float, camera: Camera) -> Iterator[Measurement]:
         yield from self._points(axis, x, camera, self.parallel, lambda ray: ray[0], orthographic_ray, "origin")
 
     def _points(
@@ -75,7 +75,7 @@ class CameraStress:
         function: Callable,
         what: str,
         place: Vec2 | None = None,
-    ) -> Iterator[Point]:
+    ) -> Iterator[Measurement]:
         """The errors of a vector in units in the last place at 1, of an origin relative to its length."""
         if place is None:
             place = Vec2(*self.random.uniform(-1, 1, (2, self.cases)).astype(np.longdouble))
@@ -87,7 +87,7 @@ class CameraStress:
                 ideal = part(exactly(function, camera, place, bits=BITS))
                 with precision(BITS):
                     moved = at_one(tree_map(lambda c: c.floats(np.longdouble), exact), ideal, dtype)
-                yield Point(axis, x, f"{INPUT}, {dtype.__name__}", self.cases, None, **summary(moved))
+                yield Measurement(axis, x, f"{INPUT}, {dtype.__name__}", self.cases, None, **summary(moved))
             for name, its_dtype, run in runs:
                 if its_dtype is dtype:
                     with precision(BITS):
@@ -95,7 +95,9 @@ class CameraStress:
                     if what == "origin":
                         length = np.sqrt(sum(c.floats() ** 2 for c in exact))
                         errors = errors / length
-                    yield Point(axis, x, f"{name} {what}", self.cases, None, **summary(errors.max(axis=0), condition))
+                    yield Measurement(
+                        axis, x, f"{name} {what}", self.cases, None, **summary(errors.max(axis=0), condition)
+                    )
 
     def _ill_conditioned(self, condition: float, shortest: Any = None) -> Mat4:
         """A matrix of that condition number in its first three rows and columns, whose last row is (0, 0, 0, 1).

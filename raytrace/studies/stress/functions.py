@@ -10,12 +10,12 @@ from raytrace.arithmetic.exact import precision
 from raytrace.language.glsl import Vec3, normalize, pow
 from raytrace.language.literal import literal
 from raytrace.scene.data import Film, Scene, Sun
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.film import TONE_MAPPERS, tonemap_and_gamma_correct
 from raytrace.shader.sky import SKY_GRADIENT, SUN_GRADIENT
 from raytrace.studies.stress.arithmetics import exactly, of_floats
 from raytrace.studies.stress.effort import Effort
-from raytrace.studies.stress.measure import INPUT, Point, at_one, summary, ulps
+from raytrace.studies.stress.measure import INPUT, Measurement, at_one, summary, ulps
 
 __all__ = ["FunctionStress"]
 
@@ -39,22 +39,22 @@ class FunctionStress:
         self.cases = effort.cases // 8
         self.normalizers = [(a.name, a.dtype, a.of(normalize)) for a in of_floats()]
 
-    def gamma(self) -> Iterator[Point]:
+    def gamma(self) -> Iterator[Measurement]:
         yield from self._of_a_number("gamma", lambda x: pow(x, GAMMA), -44, 0)
 
-    def sky_gradient(self) -> Iterator[Point]:
+    def sky_gradient(self) -> Iterator[Measurement]:
         yield from self._of_a_number("sky_gradient", lambda x: pow(x, SKY_GRADIENT), -44, 0)
 
-    def sun_lobe(self) -> Iterator[Point]:
+    def sun_lobe(self) -> Iterator[Measurement]:
         """By how far the cosine is from 1, where the result is a normal number."""
         places = sorted([*self.effort.decades(-7, -1), LAST_OF_THE_LOBE])
         yield from self._lobe("sun_lobe", places, lambda result, normal: result >= normal)
 
-    def lobe_vanishes(self) -> Iterator[Point]:
+    def lobe_vanishes(self) -> Iterator[Measurement]:
         """The same where the result is subnormal in float32, or would be 0."""
         yield from self._lobe("lobe_vanishes", [LAST_OF_THE_LOBE, 0.1], lambda result, normal: result < normal)
 
-    def tone_mapping(self) -> Iterator[Point]:
+    def tone_mapping(self) -> Iterator[Measurement]:
         for name in TONE_MAPPERS:
             program = program_of(Scene(film=Film(tone_mapper=name)), "robust")
 
@@ -63,11 +63,11 @@ class FunctionStress:
 
             yield from self._of_a_number("tone_mapping", display, -44, 38, formula=name)
 
-    def normalization(self) -> Iterator[Point]:
+    def normalization(self) -> Iterator[Measurement]:
         for length in self.effort.decades(-44, 38):
             yield from self._vectors("normalization", length, lambda v: v)
 
-    def sun(self) -> Iterator[Point]:
+    def sun(self) -> Iterator[Measurement]:
         """The scene's direction of any length, on its way to the shader and within."""
 
         def given(direction: Vec3) -> Vec3:
@@ -78,10 +78,12 @@ class FunctionStress:
         for length in self.effort.decades(-20, 20):
             yield from self._vectors("sun", length, given, cases=self.cases // 4)
 
-    def _lobe(self, axis: str, places: Iterable[float], counted: Callable) -> Iterator[Point]:
+    def _lobe(self, axis: str, places: Iterable[float], counted: Callable) -> Iterator[Measurement]:
         yield from self._at_places(axis, lambda x: pow(x, SUN_GRADIENT), places, lambda x: 1 - x, counted=counted)
 
-    def _of_a_number(self, axis: str, function: Callable, low: int, high: int, formula: str = "") -> Iterator[Point]:
+    def _of_a_number(
+        self, axis: str, function: Callable, low: int, high: int, formula: str = ""
+    ) -> Iterator[Measurement]:
         yield from self._at_places(axis, function, self.effort.decades(low, high), formula=formula)
 
     def _at_places(
@@ -92,7 +94,7 @@ class FunctionStress:
         argument: Callable = lambda x: x,
         formula: str = "",
         counted: Callable | None = None,
-    ) -> Iterator[Point]:
+    ) -> Iterator[Measurement]:
         """Measure `function` at `argument` of each place; `counted` tells which results count."""
         runs = [(a.name, a.dtype, a.of(function)) for a in of_floats()]
         # An eighth of a decade about each place.
@@ -110,9 +112,9 @@ class FunctionStress:
                     if its_dtype is dtype and args.size:
                         with precision():
                             errors = ulps(run(args), exact, dtype)
-                        yield Point(axis, x, f"{name} {formula}".rstrip(), args.size, None, **summary(errors))
+                        yield Measurement(axis, x, f"{name} {formula}".rstrip(), args.size, None, **summary(errors))
 
-    def _vectors(self, axis: str, length: float, given: Callable, cases: int = 0) -> Iterator[Point]:
+    def _vectors(self, axis: str, length: float, given: Callable, cases: int = 0) -> Iterator[Measurement]:
         directions = self.random.normal(size=(cases or self.cases, 3)).astype(np.longdouble)
         directions *= np.longdouble(length) / np.sqrt((directions**2).sum(axis=1))[:, None]
         vectors = given(Vec3(*np.moveaxis(directions, -1, 0)))
@@ -125,6 +127,6 @@ class FunctionStress:
             with precision():
                 if name.startswith("numpy"):
                     moved = at_one(Vec3(*(component.floats(np.longdouble) for component in exact)), ideal, dtype)
-                    yield Point(axis, length, f"{INPUT}, {dtype.__name__}", moved.size, None, **summary(moved))
+                    yield Measurement(axis, length, f"{INPUT}, {dtype.__name__}", moved.size, None, **summary(moved))
                 errors = at_one(found, exact, dtype)
-            yield Point(axis, length, name, errors.size, None, **summary(errors))
+            yield Measurement(axis, length, name, errors.size, None, **summary(errors))

@@ -6,13 +6,13 @@ import numpy as np
 
 from raytrace.arithmetic.exact import Exact
 
-__all__ = ["INPUT", "Point", "at_one", "summary", "ulps"]
+__all__ = ["INPUT", "Measurement", "at_one", "summary", "ulps"]
 
 #: Who errs where the numbers of a problem are rounded before anybody computes with them.
 INPUT = "rounding the input"
 
 
-class Point(NamedTuple):
+class Measurement(NamedTuple):
     """One measurement: who, how hard the problem was, and how wrong the answers were.
 
     axis, x: which figure, and where in it. who: the arithmetic and formula, or "rounding the input" for the error that
@@ -55,7 +55,7 @@ def at_one(found: Any, exact: Any, dtype: Any) -> np.ndarray:
 
 
 def summary(errors: np.ndarray, condition: np.ndarray | None = None) -> dict[str, float]:
-    """The fields of a `Point` that errors in units in the last place fill."""
+    """The fields of a `Measurement` that errors in units in the last place fill."""
     if not errors.size:
         return {}
     fields = {"ulp": float(errors.max()), "ulp_median": float(np.median(errors))}

@@ -12,7 +12,7 @@ from raytrace.shader.checkerboard import checkerboard
 from raytrace.shader.plane import plane_intersect
 from raytrace.studies.stress.arithmetics import exactly, of_floats
 from raytrace.studies.stress.effort import Effort
-from raytrace.studies.stress.measure import INPUT, Point, summary, ulps
+from raytrace.studies.stress.measure import INPUT, Measurement, summary, ulps
 
 __all__ = ["PlaneStress"]
 
@@ -29,7 +29,7 @@ class PlaneStress:
         self.planes = [(a.name, a.dtype, a.of(plane_intersect)) for a in arithmetics]
         self.patterns = [(a.name, a.dtype, a.of(_parity)) for a in arithmetics]
 
-    def plane(self) -> Iterator[Point]:
+    def plane(self) -> Iterator[Measurement]:
         for angle in self.effort.decades(-7, 0):
             problem = self._grazing(angle)
             for dtype in (np.float32, np.float64):
@@ -41,7 +41,7 @@ class PlaneStress:
                     same = (ideal > 0).value == met
                     moved = ulps(exact[same & met].floats(np.longdouble), ideal[same & met], dtype)
                 who = f"{INPUT}, {dtype.__name__}"
-                yield Point("plane", angle, who, met.size, float(np.mean(~same)), **summary(moved))
+                yield Measurement("plane", angle, who, met.size, float(np.mean(~same)), **summary(moved))
                 for name, its_dtype, intersect in self.planes:
                     if its_dtype is dtype:
                         t = intersect(*args)
@@ -50,9 +50,9 @@ class PlaneStress:
                         with precision():
                             errors = ulps(t[right], exact[right], dtype)
                         wrong = float(np.mean(seen != met))
-                        yield Point("plane", angle, name, met.size, wrong, **summary(errors, condition[right]))
+                        yield Measurement("plane", angle, name, met.size, wrong, **summary(errors, condition[right]))
 
-    def checkerboard(self) -> Iterator[Point]:
+    def checkerboard(self) -> Iterator[Measurement]:
         for distance in self.effort.decades(0, 9):
             x, z = distance * self.random.uniform(0.5, 1, (2, self.effort.cases)).astype(np.longdouble)
             ideal = exactly(_parity, x, z, np.longdouble(TILE)).floats()
@@ -60,11 +60,11 @@ class PlaneStress:
                 args = tuple(np.asarray(number).astype(dtype) for number in (x, z, TILE))
                 exact = exactly(_parity, *args).floats()
                 wrong = float(np.mean(exact != ideal))
-                yield Point("checkerboard", distance, f"{INPUT}, {dtype.__name__}", x.size, wrong)
+                yield Measurement("checkerboard", distance, f"{INPUT}, {dtype.__name__}", x.size, wrong)
                 for name, its_dtype, parity in self.patterns:
                     if its_dtype is dtype:
                         wrong = float(np.mean(parity(*args) != exact))
-                        yield Point("checkerboard", distance, name, x.size, wrong)
+                        yield Measurement("checkerboard", distance, name, x.size, wrong)
 
     def _grazing(self, angle: float) -> tuple:
         """(ro, rd, n, p): rays from one above a tilted plane, half of them down to it by the angle, half of them up."""

@@ -5,7 +5,7 @@ from typing import Any
 
 from raytrace.files import save_figure
 from raytrace.studies.stress.axes import AXES
-from raytrace.studies.stress.measure import INPUT, Point
+from raytrace.studies.stress.measure import INPUT, Measurement
 
 __all__ = ["figure", "plot"]
 
@@ -15,7 +15,7 @@ _MAPPERS = {"aces": "C0", "reinhard": "C1", "hable": "C2", "none": "C4"}
 _MARKERS = {"numpy": "o", "jax": "x", "exact,": "s", "mitsuba": "^", "embree": "v"}
 
 
-def plot(axis: str, points: list[Point], path: Path) -> None:
+def plot(axis: str, points: list[Measurement], path: Path) -> None:
     """Writes the figure of one axis.
 
     Raises:
@@ -24,7 +24,7 @@ def plot(axis: str, points: list[Point], path: Path) -> None:
     save_figure(figure(axis, points), path)
 
 
-def figure(axis: str, points: list[Point]) -> Any:
+def figure(axis: str, points: list[Measurement]) -> Any:
     """The figure of one axis, a `matplotlib.figure.Figure`."""
     from matplotlib.figure import Figure
 

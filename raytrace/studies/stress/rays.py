@@ -8,7 +8,7 @@ from raytrace.arithmetic.exact import Exact, precision
 from raytrace.language.glsl import Vec3, dot
 from raytrace.language.tree import tree_map
 
-__all__ = ["Answer", "Rays", "answered", "given", "towards"]
+__all__ = ["ExactHit", "Rays", "answered", "given", "towards"]
 
 
 class Rays(NamedTuple):
@@ -20,7 +20,7 @@ class Rays(NamedTuple):
     radius: Any
 
 
-class Answer(NamedTuple):
+class ExactHit(NamedTuple):
     """Whether each ray meets the sphere at t >= 0, where, and how that depends on the numbers given.
 
     other: the root that does not count.
@@ -44,7 +44,7 @@ def given(rays: Rays, dtype: Any) -> Rays:
     return tree_map(lambda x: np.asarray(x).astype(dtype), rays)
 
 
-def answered(rays: Rays) -> Answer:
+def answered(rays: Rays) -> ExactHit:
     """The exact answer, of the numbers as they are: the direction's length too, though it is only nearly 1.
 
     The geometric definition, not the shader's formula: the roots of |origin + t * direction - center| = radius, of
@@ -66,7 +66,7 @@ def answered(rays: Rays) -> Answer:
         # The unit normal where the ray meets the sphere, times the direction: (out + t direction) . direction / radius.
         incidence = root / exact.radius
         normal = tree_map(lambda x: x.floats(np.longdouble), (out + t * exact.direction) / exact.radius)
-    return Answer(hit, t, other, _condition(rays, t.floats(np.longdouble), normal, incidence.floats(np.longdouble)))
+    return ExactHit(hit, t, other, _condition(rays, t.floats(np.longdouble), normal, incidence.floats(np.longdouble)))
 
 
 def _condition(rays: Rays, t: np.ndarray, normal: Vec3, incidence: np.ndarray) -> np.ndarray:

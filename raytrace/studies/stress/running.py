@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from raytrace.errors import check_choice
 from raytrace.studies.stress.axes import AXES, GROUPS
 from raytrace.studies.stress.effort import QUICK, Effort
-from raytrace.studies.stress.measure import Point
+from raytrace.studies.stress.measure import Measurement
 
 __all__ = ["groups", "stress"]
 
@@ -21,7 +21,7 @@ def groups(names: list[str]) -> list[Callable]:
     return [group for group, axes in GROUPS.items() if not names or set(axes) & set(names)]
 
 
-def stress(effort: Effort = QUICK, names: list[str] | None = None) -> Iterator[Point]:
+def stress(effort: Effort = QUICK, names: list[str] | None = None) -> Iterator[Measurement]:
     """Every measurement of the axes named, or of all.
 
     Raises:

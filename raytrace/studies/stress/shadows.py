@@ -15,7 +15,7 @@ from raytrace.scene.data import Scene
 from raytrace.scene.toml import load_scene
 from raytrace.shader.light import SHADOW_STARTS
 from raytrace.studies.stress.effort import Effort
-from raytrace.studies.stress.measure import Point
+from raytrace.studies.stress.measure import Measurement
 
 __all__ = ["ShadowStress", "scaled"]
 
@@ -61,7 +61,7 @@ class ShadowStress:
         self.scales = 2.0 ** np.unique(np.round(np.linspace(-14, 14, 14 * effort.per_decade + 1)))
         self.exact = self._exactly(1.0, "surface")
 
-    def points(self) -> Iterator[Point]:
+    def points(self) -> Iterator[Measurement]:
         for scale in self.scales:
             yield from self._compared(scale, "exact, offset", self._exactly(scale, "offset"))
             for backend in ("numpy", "jax"):
@@ -79,12 +79,12 @@ class ShadowStress:
                         found = {name: np.asarray(steps[name]) for name in KEEP}
                         yield from self._compared(scale, f"{backend} {dtype} {start}", found)
 
-    def _compared(self, scale: float, who: str, found: dict[str, np.ndarray]) -> Iterator[Point]:
+    def _compared(self, scale: float, who: str, found: dict[str, np.ndarray]) -> Iterator[Measurement]:
         exact = self.exact
         counted = (found["index"] == exact["index"]) & (exact["index"] >= 0) & (exact["NdL"] > 0) & (found["NdL"] > 0)
         lit = exact["shadow"] == 1
         for axis, wrong in (("acne", lit & (found["shadow"] != 1)), ("peter_panning", ~lit & (found["shadow"] != 0))):
-            yield Point(axis, scale, who, int(counted.sum()), float((wrong & counted).sum() / counted.sum()))
+            yield Measurement(axis, scale, who, int(counted.sum()), float((wrong & counted).sum() / counted.sum()))
 
     def _exactly(self, scale: float, start: str) -> dict[str, np.ndarray]:
         """The shader's own text, in real numbers."""

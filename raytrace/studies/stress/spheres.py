@@ -12,7 +12,7 @@ from raytrace.shader.sphere import INTERSECTIONS, sphere_intersect
 from raytrace.shader.uniforms import Sphere
 from raytrace.studies.stress.arithmetics import of_floats
 from raytrace.studies.stress.effort import Effort
-from raytrace.studies.stress.measure import INPUT, Point, summary, ulps
+from raytrace.studies.stress.measure import INPUT, Measurement, summary, ulps
 from raytrace.studies.stress.peers import embree_sphere, mitsuba_sphere
 from raytrace.studies.stress.rays import Rays, answered, everywhere, given, towards
 from raytrace.studies.stress.search import climb, random_rays, rows_of
@@ -31,7 +31,7 @@ WIDEST = 1.5
 CLIMBERS = 400
 
 
-class Contender(NamedTuple):
+class Implementation(NamedTuple):
     """`intersect(rays)` gives t, negative where there is no hit; rays are rounded to `dtype`."""
 
     name: str
@@ -48,33 +48,33 @@ class SphereStress:
         self.contenders = [*_formulas(), *others]
         self.random = np.random.default_rng(effort.seed)
 
-    def distance(self) -> Iterator[Point]:
+    def distance(self) -> Iterator[Measurement]:
         # From half a radius above the surface on, and where textbook and robust are compared.
         for ratio in sorted([*(0.5 + self.effort.decades(0, 7)), COMPARED]):
             yield from self._points("distance", ratio, self._passing(ratio))
 
-    def radius(self) -> Iterator[Point]:
+    def radius(self) -> Iterator[Measurement]:
         for radius in self.effort.decades(-6, 6):
             yield from self._points("radius", radius, self._passing(10.0, radius))
 
-    def offset(self) -> Iterator[Point]:
+    def offset(self) -> Iterator[Measurement]:
         for offset in self.effort.decades(0, 7):
             yield from self._points("offset", offset, self._passing(10.0, offset=offset))
 
-    def grazing(self) -> Iterator[Point]:
+    def grazing(self) -> Iterator[Measurement]:
         """Rays that meet the sphere, or miss it, at the angle's cosine times the radius from the centre."""
         sign = np.where(np.arange(self.effort.cases) % 2, 1, -1)
         for angle in self.effort.decades(-7, 0):
             passing = 1 + sign * np.longdouble(2) * np.sin(np.longdouble(angle) / 2) ** 2
             yield from self._points("grazing", angle, towards(self.random, ORIGIN, ORIGIN + 3 * AWAY, 1.0, passing))
 
-    def inside(self) -> Iterator[Point]:
+    def inside(self) -> Iterator[Measurement]:
         yield from self._about("inside", -1)
 
-    def outside(self) -> Iterator[Point]:
+    def outside(self) -> Iterator[Measurement]:
         yield from self._about("outside", 1)
 
-    def search(self) -> Iterator[Point]:
+    def search(self) -> Iterator[Measurement]:
         """Hill climbing from random rays and from rays of all other axes, by the number of steps."""
         height = 10.0 ** self.random.uniform(-8, 0)
         axes = [
@@ -96,9 +96,11 @@ class SphereStress:
             for steps in (self.effort.climbing // 10, self.effort.climbing):
                 numbers, found = climb(contender.intersect, contender.dtype, numbers, steps - done, random)
                 done = steps
-                yield Point("search", steps, contender.name, len(numbers), None, **summary(found.ulp, found.condition))
+                yield Measurement(
+                    "search", steps, contender.name, len(numbers), None, **summary(found.ulp, found.condition)
+                )
 
-    def _about(self, axis: str, side: int) -> Iterator[Point]:
+    def _about(self, axis: str, side: int) -> Iterator[Measurement]:
         """Rays from near the surface, in all directions."""
         for height in self.effort.decades(-8, 0):
             yield from self._points(axis, height, self._near(side, height))
@@ -116,7 +118,7 @@ class SphereStress:
         origin = radius * ORIGIN + offset * np.array([0.6, 0.48, 0.64], np.longdouble)
         return towards(self.random, origin, origin + ratio * radius * AWAY, radius, passing)
 
-    def _points(self, axis: str, x: float, rays: Rays) -> Iterator[Point]:
+    def _points(self, axis: str, x: float, rays: Rays) -> Iterator[Measurement]:
         ideal = answered(rays)
         for dtype in (np.float32, np.float64):
             rounded = given(rays, dtype)
@@ -127,7 +129,7 @@ class SphereStress:
             with precision():
                 moved = ulps(moved_t[right], ideal.t[right], dtype)
             wrong = float(np.mean(~same))
-            yield Point(axis, x, f"{INPUT}, {dtype.__name__}", exact.hit.size, wrong, **summary(moved))
+            yield Measurement(axis, x, f"{INPUT}, {dtype.__name__}", exact.hit.size, wrong, **summary(moved))
             for contender in self.contenders:
                 if contender.dtype is not dtype:
                     continue
@@ -137,22 +139,22 @@ class SphereStress:
                 with precision():
                     errors = ulps(t[right], exact.t[right], dtype)
                 fields = summary(errors, exact.condition[right])
-                yield Point(axis, x, contender.name, t.size, float(np.mean(~same)), **fields)
+                yield Measurement(axis, x, contender.name, t.size, float(np.mean(~same)), **fields)
 
 
-def _formulas() -> list[Contender]:
-    def contender(arithmetic: Any, intersection: str) -> Contender:
+def _formulas() -> list[Implementation]:
+    def contender(arithmetic: Any, intersection: str) -> Implementation:
         def formula(ro: Any, rd: Any, center: Any, radius: Any) -> Any:
             return sphere_intersect(ro, rd, Sphere(center, radius, None), intersection)
 
         run = arithmetic.of(formula)
-        return Contender(f"{arithmetic.name} {intersection}", arithmetic.dtype, lambda rays: run(*rays))
+        return Implementation(f"{arithmetic.name} {intersection}", arithmetic.dtype, lambda rays: run(*rays))
 
     return [contender(arithmetic, name) for arithmetic in of_floats() for name in INTERSECTIONS]
 
 
 @cache
-def peers() -> tuple[list[Contender], list[str]]:
+def peers() -> tuple[list[Implementation], list[str]]:
     """The peers that are installed, and for each other a line that says what it needs."""
     found, missing = [], []
     probe = given(towards(np.random.default_rng(0), ORIGIN, ORIGIN + 3 * AWAY, 1.0, np.zeros(1)), np.float32)
@@ -162,5 +164,5 @@ def peers() -> tuple[list[Contender], list[str]]:
         except (InputError, ImportError) as error:
             missing.append(str(error) if isinstance(error, InputError) else f"{name}: pip install '.[bench]'")
         else:
-            found.append(Contender(f"{name} float32", np.float32, intersect))
+            found.append(Implementation(f"{name} float32", np.float32, intersect))
     return found, missing

@@ -1,8 +1,8 @@
 """A simulated machine: float32 arithmetic that errs at random, as far as the table of the error model allows.
 
 Every element of every array errs on its own. Each operation gives one of the results that
-`raytrace.arithmetic.intervals.errors.BUILT_INS` allows, often one of the farthest; inside a built-in the form, the
-order of a sum and what is fused are drawn, too. It shares no code with the bounds that it is to test.
+`raytrace.arithmetic.intervals.error_models.BUILT_INS` allows, often one of the farthest; inside a built-in the form,
+the order of a sum and what is fused are drawn, too. It shares no code with the bounds that it is to test.
 """
 
 import numpy as np

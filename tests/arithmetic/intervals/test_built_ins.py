@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from raytrace.arithmetic.intervals import BUILT_INS, GLSL_HIGHP, REAL, Namespace
+from raytrace.arithmetic.intervals import BUILT_INS, GLSL_HIGHP, REAL, IntervalNamespace
 from raytrace.language.glsl import Mat3, Mat4, Vec3, Vec4, clamp, dot, exp2, log2, mix, mod, normalize, pow, sqrt
 from raytrace.language.literal import literal
 from tests.arithmetic.intervals.machine import Machine
 
 N = 30_000
-XP = Namespace(GLSL_HIGHP)
+XP = IntervalNamespace(GLSL_HIGHP)
 
 
 def numbers(random, low=-10, high=10):
@@ -84,7 +84,7 @@ def test_a_machine_uses_what_the_table_allows(field, name):
     """With less allowed it is outside: the test above would find a bound that is too narrow."""
     random = np.random.default_rng(4)
     points, machine = [numbers(random) for _ in range(20)], Machine(random)
-    narrower = Namespace(GLSL_HIGHP._replace(**{field: 0.4 * getattr(GLSL_HIGHP, field)}))
+    narrower = IntervalNamespace(GLSL_HIGHP._replace(**{field: 0.4 * getattr(GLSL_HIGHP, field)}))
     found = OPERATIONS[name](*(machine.given(x) for x in points)).value
     bounds = OPERATIONS[name](*(narrower.given(x) for x in points))
     assert (((found < bounds.low) | (found > bounds.high)) & np.isfinite(found)).any()
@@ -126,7 +126,7 @@ def test_the_ends_of_a_blend():
     blend = mix(bright, dark, one)
     assert (blend.low[0], blend.high[0]) == (0, 0.0625)
     # In real numbers all forms are one.
-    real = Namespace(REAL)
+    real = IntervalNamespace(REAL)
     blend = mix(*(real.given(np.array([x])) for x in (1.0, 0.1, 1.0)))
     assert blend.high[0] - blend.low[0] < 2.0**-50
 

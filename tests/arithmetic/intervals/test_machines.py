@@ -6,7 +6,7 @@ import pytest
 from raytrace.certificates import certify
 from raytrace.language.tree import tree_map
 from raytrace.scene import load_scene
-from raytrace.scene.uniforms import program_of, uniforms_of
+from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.camera import pixel_to_ndc
 from raytrace.shader.main import main
 from raytrace.shader.sphere import INTERSECTIONS

@@ -8,8 +8,8 @@ pytest.importorskip("flint")
 from flint import arb
 
 from raytrace.arithmetic.exact import Exact, precision
-from raytrace.arithmetic.intervals import GLSL_HIGHP, REAL, Interval, Namespace
-from raytrace.arithmetic.intervals.errors import LIBM
+from raytrace.arithmetic.intervals import GLSL_HIGHP, REAL, Interval, IntervalNamespace
+from raytrace.arithmetic.intervals.error_models import LIBM
 from raytrace.language.literal import literal
 
 N = 100_000
@@ -33,7 +33,7 @@ def intervals(random, model, n=N):
         b = b.astype(np.float32).astype(np.float64)
     low, high = np.minimum(a, b), np.maximum(a, b)
     within = np.where(random.random(n) < 0.5, low, high)
-    return Interval(low, high, Namespace(model)), within
+    return Interval(low, high, IntervalNamespace(model)), within
 
 
 def rounded(exact, model):
@@ -123,7 +123,7 @@ def test_numpys_functions_err_by_what_is_assumed(name):
 def test_a_gpu_may_err_by_so_many_units(name, factor):
     """The bound holds the exact quotient or root moved by that much, and is not much wider."""
     random = np.random.default_rng(8)
-    xp = Namespace(GLSL_HIGHP)
+    xp = IntervalNamespace(GLSL_HIGHP)
     x, y = (random.uniform(1, 8, 1000).astype(np.float32).astype(np.float64) for _ in range(2))
     found = xp.given(x) / xp.given(y) if name == "divide" else xp.sqrt(xp.given(x))
     exact = x / y if name == "divide" else np.sqrt(x)
@@ -135,7 +135,7 @@ def test_a_gpu_may_err_by_so_many_units(name, factor):
 
 @MODELS
 def test_exact_operations_stay_exact(model):
-    xp = Namespace(model)
+    xp = IntervalNamespace(model)
     numbers = xp.given(np.arange(-5.0, 5.0))
     for found, expected in (
         (numbers + 3, np.arange(-2.0, 8.0)),
@@ -149,7 +149,7 @@ def test_exact_operations_stay_exact(model):
 
 
 def test_what_is_undecided_is_both():
-    xp = Namespace(REAL)
+    xp = IntervalNamespace(REAL)
     x = Interval(np.array([-1.0, 1.0, -2.0]), np.array([1.0, 2.0, -1.0]), xp)
     negative = x < 0
     np.testing.assert_array_equal(negative.may_hold, [True, False, True])
@@ -166,7 +166,7 @@ def test_what_is_undecided_is_both():
 
 
 def test_a_quotient_that_may_be_by_zero_is_anything():
-    xp = Namespace(REAL)
+    xp = IntervalNamespace(REAL)
     wide = Interval(np.array([-1.0]), np.array([1.0]), xp)
     found = xp.given(np.ones(1)) / wide
     assert (found.low[0], found.high[0]) == (-np.inf, np.inf)
@@ -179,7 +179,7 @@ def test_a_quotient_that_may_be_by_zero_is_anything():
 
 
 def test_indices_that_may_be_several_give_the_hull():
-    xp = Namespace(REAL)
+    xp = IntervalNamespace(REAL)
     items = xp.given(np.array([3.0, -1.0, 7.0]))
     index = Interval(np.array([0, 0, 2], np.int32), np.array([0, 1, 2], np.int32), xp)
     found = xp.take(items, index, axis=0)
@@ -188,7 +188,7 @@ def test_indices_that_may_be_several_give_the_hull():
 
 
 def test_literals_are_their_neighbours_in_float32():
-    xp = Namespace(GLSL_HIGHP)
+    xp = IntervalNamespace(GLSL_HIGHP)
     one = xp.given(np.ones(1))
     tenth = literal("0.1").like(one)
     assert tenth.low < 0.1 < tenth.high
@@ -200,7 +200,7 @@ def test_literals_are_their_neighbours_in_float32():
 
 
 def test_subnormal_numbers_may_be_zero():
-    xp = Namespace(GLSL_HIGHP)
+    xp = IntervalNamespace(GLSL_HIGHP)
     given = xp.given(np.array([1e-40, -1e-40, 0.0, 1.0]))
     np.testing.assert_array_equal(given.low <= 0, [True, True, True, False])
     np.testing.assert_array_equal(given.high >= 0, [True, True, True, True])

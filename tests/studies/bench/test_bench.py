@@ -7,8 +7,8 @@ import pytest
 import raytrace
 from raytrace.cli.bench import bench
 from raytrace.errors import InputError
+from raytrace.studies.bench.accuracy import Errors, reference
 from raytrace.studies.bench.crowds import crowd
-from raytrace.studies.bench.errors import Errors, reference
 from raytrace.studies.bench.pareto import Row, front, plot
 from raytrace.studies.bench.timing import Timing, in_turn
 

@@ -40,7 +40,7 @@ def test_the_numba_loop_is_the_same_picture():
     # In a process of its own: Numba cannot compile what the suite's checks of annotations are wrapped around.
     code = (
         "import raytrace\n"
-        "from raytrace.studies.bench.errors import reference\n"
+        "from raytrace.studies.bench.accuracy import reference\n"
         "from raytrace.studies.bench.peers.numba_loop import frame\n"
         "scene = raytrace.load_scene('checkerboard')\n"
         "exact = reference(scene, (96, 54))\n"

@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("flint")
 
 from raytrace.studies.stress import QUICK, stress, verdicts
-from raytrace.studies.stress.measure import Point
+from raytrace.studies.stress.measure import Measurement
 from raytrace.studies.stress.spheres import COMPARED
 from tests.processes import command
 
@@ -50,5 +50,5 @@ def test_the_textbook_breaks_where_it_should_and_the_bounds_see_it():
 
 def test_a_bound_is_not_given_for_what_was_not_tried():
     assert verdicts([]) == []
-    one = Point("distance", COMPARED, "numpy float32 robust", 10, 0.5)
+    one = Measurement("distance", COMPARED, "numpy float32 robust", 10, 0.5)
     assert [verdict.holds for verdict in verdicts([one])] == [False]

@@ -3,21 +3,21 @@ import pytest
 
 import raytrace
 from raytrace.comparison.reference import Reference
-from raytrace.comparison.views import View, resampled, views
+from raytrace.comparison.wrong_views import WrongView, resampled, views
 
 IMAGE = np.random.default_rng(0).uniform(0, 1, (7, 8, 3))
 
 
 def test_a_view_without_a_mistake():
-    columns, rows = View().pixels(8, 7)
+    columns, rows = WrongView().pixels(8, 7)
     assert columns.tolist() == list(range(8))
     assert rows.tolist() == list(range(7))
-    np.testing.assert_array_equal(resampled(IMAGE, View()), IMAGE)
+    np.testing.assert_array_equal(resampled(IMAGE, WrongView()), IMAGE)
 
 
 def test_half_a_pixel_by_hand():
     """Of neighbours it is the mean; the column that nothing is known of is NaN."""
-    moved = resampled(IMAGE, View(right=0.5))
+    moved = resampled(IMAGE, WrongView(right=0.5))
     np.testing.assert_allclose(moved[:, 1:], (IMAGE[:, :-1] + IMAGE[:, 1:]) / 2)
     assert np.isnan(moved[:, 0]).all()
 
@@ -31,7 +31,7 @@ def test_a_square_image_has_no_aspect():
     assert not any("aspect" in name for name in views(9, 9))
 
 
-@pytest.mark.parametrize("view", [View(), *views(33, 20).values()])
+@pytest.mark.parametrize("view", [WrongView(), *views(33, 20).values()])
 def test_the_scene_is_drawn_as_the_image_is_resampled(view):
     """Where a view shows whole pixels: the same image, but for those that lie outside; and thinned out, its pixels."""
     reference = Reference(raytrace.load_scene("spheres"), 33, 20)

@@ -5,7 +5,7 @@ from hypothesis import given
 import raytrace
 from raytrace.language.glsl import dot
 from raytrace.language.tree import tree_leaves
-from raytrace.scene.uniforms import uniforms_of
+from raytrace.scene.to_uniforms import uniforms_of
 from tests.strategies import cameras, directions
 
 

@@ -3,11 +3,11 @@
 from raytrace.glsl.numbers import number
 from raytrace.shader.main import Steps
 
-__all__ = ["told", "with_views"]
+__all__ = ["legend", "with_step_colors"]
 
 #: By step: the colour, in GLSL, of a `value` (its components as a vec3), and the same in words.
 #: `hit` is false where the sky is seen; {d} is a distance.
-VIEWS = {
+STEP_COLORS = {
     "pixelNdc": ("vec3(0.5*value.xy + 0.5, 0.)", "red and green are 0.5*pixelNdc + 0.5"),
     "rd": ("0.5*value + 0.5", "red, green and blue are 0.5*rd + 0.5"),
     "t": (
@@ -40,10 +40,10 @@ vec4 viewedStep(vec3 linear, vec3 display){{
 """
 
 
-def with_views(shader: str, distance: float) -> str:
+def with_step_colors(shader: str, distance: float) -> str:
     """A shader text of the output "steps" that gives colours to look at; `distance` is where t is half bright."""
     cases = "".join(
-        f"    if(shownStep == {i}) value = {VIEWS[name][0].format(d=number(distance))}; // {name}\n"
+        f"    if(shownStep == {i}) value = {STEP_COLORS[name][0].format(d=number(distance))}; // {name}\n"
         for i, name in enumerate(Steps._fields)
     )
     for old, new in (
@@ -55,6 +55,6 @@ def with_views(shader: str, distance: float) -> str:
     return shader
 
 
-def told(distance: float) -> dict[str, str]:
+def legend(distance: float) -> dict[str, str]:
     """What the colours mean, by step."""
-    return {name: VIEWS[name][1].format(d=f"{distance:.4g}") for name in Steps._fields}
+    return {name: STEP_COLORS[name][1].format(d=f"{distance:.4g}") for name in Steps._fields}

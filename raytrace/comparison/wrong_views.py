@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["View", "resampled", "views"]
+__all__ = ["WrongView", "resampled", "views"]
 
 
-class View(NamedTuple):
+class WrongView(NamedTuple):
     """A wrong view: at (x, y) from the image's middle it shows what the right one shows at (x * scale_x, y * scale_y).
 
     right, down: pixels by which what is seen is moved as well.
@@ -32,26 +32,26 @@ class View(NamedTuple):
 
 
 _FLIPS = {
-    "flipped top to bottom (y)": View(scale_y=-1.0),
-    "flipped left to right (x)": View(scale_x=-1.0),
-    "turned by 180 degrees (flipped in x and y)": View(-1.0, -1.0),
+    "flipped top to bottom (y)": WrongView(scale_y=-1.0),
+    "flipped left to right (x)": WrongView(scale_x=-1.0),
+    "turned by 180 degrees (flipped in x and y)": WrongView(-1.0, -1.0),
 }
 _LENGTHS = {"one pixel": 1.0, "half a pixel": 0.5}
 _DIRECTIONS = {-1: ("left", "up"), 1: ("right", "down")}
 
 
-def views(width: int, height: int) -> dict[str, View]:
+def views(width: int, height: int) -> dict[str, WrongView]:
     """The usual mistakes of an image of that size; the ones that leave it as it is are left out."""
     aspect = width / height
     aspects = {
-        "drawn without the aspect ratio": View(scale_x=1 / aspect),
-        "drawn with the aspect ratio upside down (height / width)": View(scale_x=1 / aspect**2),
-        "drawn with the vertical field of view as the horizontal one": View(1 / aspect, 1 / aspect),
+        "drawn without the aspect ratio": WrongView(scale_x=1 / aspect),
+        "drawn with the aspect ratio upside down (height / width)": WrongView(scale_x=1 / aspect**2),
+        "drawn with the vertical field of view as the horizontal one": WrongView(1 / aspect, 1 / aspect),
     }
     return _FLIPS | _shifts() | (aspects if aspect != 1 else {})
 
 
-def _shifts() -> dict[str, View]:
+def _shifts() -> dict[str, WrongView]:
     shifts = {}
     for length, pixels in _LENGTHS.items():
         for x in (-1, 0, 1):
@@ -59,11 +59,11 @@ def _shifts() -> dict[str, View]:
                 ways = [_DIRECTIONS[x][0]] if x else []
                 ways += [_DIRECTIONS[y][1]] if y else []
                 if ways:
-                    shifts[f"shifted by {length} {' and '.join(ways)}"] = View(right=x * pixels, down=y * pixels)
+                    shifts[f"shifted by {length} {' and '.join(ways)}"] = WrongView(right=x * pixels, down=y * pixels)
     return shifts
 
 
-def resampled(image: np.ndarray, view: View, every: int = 1) -> np.ndarray:
+def resampled(image: np.ndarray, view: WrongView, every: int = 1) -> np.ndarray:
     """`image` through the wrong view, between its pixels by bilinear interpolation; NaN where it does not reach.
 
     Of the result every so many rows and columns.

@@ -1,9 +1,11 @@
 """From a scene to what the shader is given: uniforms, computed in double, and the program's choices."""
 
+from functools import lru_cache
 from typing import Any, TypeVar
 
 import numpy as np
 
+from raytrace.colour_science import colour_science
 from raytrace.language.glsl import Mat3, Mat4, Vec3, Vec4, cross, normalize
 from raytrace.language.namespace import namespace
 from raytrace.language.tree import tree_map
@@ -17,7 +19,6 @@ from raytrace.scene.data import (
     Plane,
     Scene,
 )
-from raytrace.scene.white_balance import adaptation_matrix
 from raytrace.shader import uniforms as shader
 
 __all__ = ["program_of", "rounded", "uniforms_of"]
@@ -151,3 +152,22 @@ def _film(scene: Scene) -> shader.FilmUniforms:
         exposure=None if neutral else 2**film.exposure,
         white_balance=None if matrix is None else Mat3(*(Vec3(*matrix[:, column]) for column in range(3))),
     )
+
+
+@lru_cache
+def adaptation_matrix(white_point: float | tuple[float, float]) -> np.ndarray:
+    """Return the 3 x 3 matrix for linear sRGB columns that takes the colour of `white_point` to neutral white (D65).
+
+    white_point: a correlated colour temperature in kelvin, on the Planckian locus after Kang et al. (2002), or
+        CIE 1931 chromaticity coordinates (x, y).
+
+    Bradford's chromatic adaptation (Lam 1985), by colour-science.
+    """
+    colour = colour_science()
+    given_xy = isinstance(white_point, tuple)
+    xy = np.array(white_point) if given_xy else colour.temperature.CCT_to_xy_Kang2002(white_point)
+    srgb = colour.RGB_COLOURSPACES["sRGB"]
+    adaptation = colour.adaptation.matrix_chromatic_adaptation_VonKries(
+        colour.xy_to_XYZ(xy), colour.xy_to_XYZ(srgb.whitepoint), transform="Bradford"
+    )
+    return srgb.matrix_XYZ_to_RGB @ adaptation @ srgb.matrix_RGB_to_XYZ

@@ -7,7 +7,7 @@ import numpy as np
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
 
-__all__ = ["Errors", "Reference", "reference"]
+__all__ = ["Errors", "ExactImage", "reference"]
 
 
 class Errors(NamedTuple):
@@ -24,7 +24,7 @@ class Errors(NamedTuple):
     edge_over: int
 
 
-class Reference(NamedTuple):
+class ExactImage(NamedTuple):
     """The exact image (height, width, 3), and the pixels (height, width) that are on a discontinuity."""
 
     display: np.ndarray
@@ -45,13 +45,13 @@ class Reference(NamedTuple):
         )
 
 
-def reference(scene: Scene | str, size: tuple[int, int]) -> Reference:
+def reference(scene: Scene | str, size: tuple[int, int]) -> ExactImage:
     """NumPy's image in longdouble, where that is wider than float64, and in float64 elsewhere."""
     wider = np.finfo(np.longdouble).eps < np.finfo(np.float64).eps
     dtype = "longdouble" if wider else "float64"
     # The formula for the sphere is the one that does not cancel: it is the nearer one to the real number.
     steps = render(scene, size, backend="numpy", dtype=dtype, output="steps", intersection="robust")
-    return Reference(steps["display"], discontinuities(steps), dtype)
+    return ExactImage(steps["display"], discontinuities(steps), dtype)
 
 
 def discontinuities(steps: dict[str, np.ndarray]) -> np.ndarray:

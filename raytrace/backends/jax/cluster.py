@@ -21,24 +21,19 @@ def cluster(coordinator: str | None, hosts: int | None, process_id: int | None) 
     """
     given = coordinator, hosts, process_id
     if any(value is None for value in given) and any(value is not None for value in given):
-        raise InputError(
-            "--coordinator, --hosts, --process-id: give all three, or --cluster to have the scheduler asked"
-        )
+        raise InputError("coordinator, hosts, process_id: give all three, or none to have the scheduler asked")
     if hosts is not None and not 0 <= process_id < hosts:
-        raise InputError(f"--process-id: must be from 0 to {hosts - 1} for {hosts} hosts, found {process_id}")
+        raise InputError(f"process_id: must be from 0 to {hosts - 1} for {hosts} hosts, found {process_id}")
     if coordinator is not None and not coordinator.rpartition(":")[2].isdigit():
-        raise InputError(f"--coordinator: must be HOST:PORT, found {coordinator!r}")
+        raise InputError(f"coordinator: must be HOST:PORT, found {coordinator!r}")
     import jax
 
-    from raytrace.backends.jax.devices import ask_for_all_cores
-
-    ask_for_all_cores()
     try:
         jax.distributed.initialize(coordinator, hosts, process_id, initialization_timeout=60)
     except (RuntimeError, ValueError) as error:
         said = str(error).partition("\n")[0]
         if coordinator is None:
-            raise InputError(f"--cluster: no scheduler that JAX knows: {said}") from None
+            raise InputError(f"cluster: no scheduler that JAX knows: {said}") from None
         raise EngineFailure(f"{coordinator}: process {process_id} of {hosts} could not join: {said}") from None
     try:
         yield jax.process_index() == 0

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from raytrace.arithmetic.intervals.arrays import Condition, Interval
-from raytrace.arithmetic.intervals.namespace import Namespace
+from raytrace.arithmetic.intervals.namespace import IntervalNamespace
 from raytrace.language.control import Engine, count, running
 from raytrace.language.tree import tree_leaves, tree_map
 from raytrace.shader.uniforms import Sphere
@@ -30,7 +30,7 @@ def candidates(body: Callable, start: Any, spheres: Sphere, rays: tuple) -> np.n
     first one. rays: the arguments of `body`, origins and directions: intervals of shape (n,) or ().
     """
     # The box's own decisions are none of the rays'.
-    xp = Namespace(spheres.radius.model)
+    xp = IntervalNamespace(spheres.radius.model)
     n, m = max(leaf.low.size for leaf in tree_leaves(rays)), count(spheres)
     firsts = np.arange(0, n, max(RAYS, -(-n * m // TESTS)))
 

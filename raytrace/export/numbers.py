@@ -6,7 +6,7 @@ import numpy as np
 
 from raytrace.glsl import values_of
 from raytrace.scene.data import OrthographicCamera, Plain, Scene
-from raytrace.scene.uniforms import uniforms_of
+from raytrace.scene.to_uniforms import uniforms_of
 
 __all__ = ["uniforms_report"]
 

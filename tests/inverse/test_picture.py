@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from raytrace.inverse.shrunk import coarse, shrunk
+from raytrace.inverse.picture import coarse, shrunk
 
 
 @pytest.mark.parametrize("size", [(16, 16), (50, 31), (97, 54)])
