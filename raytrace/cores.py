@@ -7,7 +7,8 @@ from typing import TypeVar
 
 __all__ = ["cores", "in_threads"]
 
-Item, Result = TypeVar("Item"), TypeVar("Result")
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 def cores() -> int:

@@ -19,9 +19,9 @@ from raytrace.scene.check import check_structure, is_traced
 from raytrace.scene.data import Scene, concrete
 from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.scene.toml import DEFAULT_SCENE, as_scene, scene_hash, scene_toml
-from raytrace.shader.light import SHADOW_STARTS
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
+from raytrace.shader.shadows import SHADOW_STARTS
 from raytrace.shader.sphere import INTERSECTIONS
 
 __all__ = ["Options", "Rendering", "check_size", "render"]
@@ -217,7 +217,8 @@ class Rendering:
         return images if self.options.output == "steps" else images[self.options.output]
 
 
-P, Result = ParamSpec("P"), TypeVar("Result")
+P = ParamSpec("P")
+Result = TypeVar("Result")
 
 
 def taking(options: Callable[P, Options]) -> Callable[[Callable[[Options], Result]], Callable[P, Result]]:

@@ -203,11 +203,11 @@ class ExactNamespace:
         return Exact(np.where(condition.value, a.value, b.value))
 
     @staticmethod
-    def minimum(a: Exact, b: Exact) -> Exact:
+    def minimum(a: Any, b: Any) -> Exact:
         return ExactNamespace.where(b < a, b, a)
 
     @staticmethod
-    def maximum(a: Exact, b: Exact) -> Exact:
+    def maximum(a: Any, b: Any) -> Exact:
         return ExactNamespace.where(b > a, b, a)
 
     @staticmethod

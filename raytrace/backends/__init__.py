@@ -42,12 +42,14 @@ class Renderer(Protocol):
 
     def about(self) -> dict[str, str]:
         """What an image's metadata should say of what ran: "renderer", a name and a version."""
+        ...
 
     def draw(self, first: int, count: int) -> dict[str, Any]:
         """The steps that are kept, for `count` rows from row `first` on.
 
         Each is an array (count, width) or (count, width, components). Rows below the image are drawn as well.
         """
+        ...
 
 
 def renderer(backend: str, uniforms: Uniforms, job: Job) -> Renderer:
@@ -55,5 +57,5 @@ def renderer(backend: str, uniforms: Uniforms, job: Job) -> Renderer:
     if job.shader is not None:
         from raytrace.backends.gpu.foreign import ForeignRenderer
 
-        return ForeignRenderer(backend, uniforms, job)
+        return ForeignRenderer(backend, uniforms, job, job.shader)
     return import_module(BACKENDS[backend].module).Renderer(uniforms, job)

@@ -56,7 +56,7 @@ class Masked(Engine):
         visible = self.primary if isinstance(start, Hit | Nearest) else self.shadow
         if visible is None or not isinstance(items, Sphere):
             return super().each(items, body, start, args, unroll)
-        region = Region.of(visible.rays.coordinates(*args[:2], self.quadratic), np.True_)
+        region = Region.of(visible.rays.coordinates(args[0], args[1], self.quadratic), np.True_)
         state = start
         for i in np.flatnonzero(~outside(visible.bounds, region)):
             state = body(state, i, tree_map(lambda leaf, i=i: leaf[i], items), *args)

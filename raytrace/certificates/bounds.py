@@ -58,13 +58,13 @@ def image_bounds(
     program: Program,
     frame: Frame,
     model: ErrorModel,
-    done: Callable[[int], None] = lambda pixels: None,
+    done: Callable[[int], object] = lambda pixels: None,
 ) -> Bounds:
     """The bounds for uniforms (NumPy, float32 in value) of an image with one sample a pixel; `done` counts pixels."""
     uniforms = uniforms._replace(spheres=_without_coincident(uniforms.spheres))
     shape = (frame.height, frame.width)
-    images = {name: tuple(np.empty((*shape, 3)) for _ in range(2)) for name in ("display", "linear")}
-    bounds = Bounds(images["display"], images["linear"], np.zeros(shape, np.uint8), np.ones(shape, np.int32))
+    display, linear = ((np.empty((*shape, 3)), np.empty((*shape, 3))) for _ in range(2))
+    bounds = Bounds(display, linear, np.zeros(shape, np.uint8), np.ones(shape, np.int32))
     run = _Program(uniforms, program, frame, model)
     pixels = np.arange(frame.width * frame.height).reshape(shape)
     tiles = [
@@ -130,13 +130,14 @@ class _Hulls(NamedTuple):
     def of(cls, steps: Any, n: int) -> "_Hulls":
         def ends(planes: Any) -> tuple[np.ndarray, np.ndarray]:
             planes = planes if isinstance(planes, tuple) else (planes,)
-            return tuple(
+            low, high = (
                 np.stack([np.broadcast_to(getattr(plane, end), n) for plane in planes], axis=-1)
                 for end in ("low", "high")
             )
+            return low, high
 
         linear = ends(steps.linear)
-        apart = tuple(end.copy() for end in linear)
+        apart = linear[0].copy(), linear[1].copy()
         return cls(ends(steps.index), ends(steps.albedo), linear, ends(steps.display), apart)
 
     def include(self, pixels: np.ndarray, other: "_Hulls") -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -86,7 +86,8 @@ class Certificate:
         low, high = self.bounds.display
         # The product is rounded; a bound at a half between two values must not be on the wrong side of it.
         low, high = 255 * low - 1e-12, 255 * high + 1e-12
-        return tuple(np.clip(np.floor(end + 0.5), 0, 255).astype(np.uint8) for end in (low, high))
+        low, high = (np.clip(np.floor(end + 0.5), 0, 255).astype(np.uint8) for end in (low, high))
+        return low, high
 
     @cached_property
     def proven(self) -> np.ndarray:
@@ -172,7 +173,7 @@ def certify(
     *,
     precision: str = "real",
     intersection: str = "either",
-    done: Callable[[int], None] = lambda pixels: None,
+    done: Callable[[float], object] = lambda pixels: None,
 ) -> Certificate:
     """Bounds of every pixel of a scene's image, for one sample a pixel.
 
@@ -190,17 +191,17 @@ def certify(
     uniforms = rounded(uniforms_of(scene, width / height))
     # In real numbers both formulas are one, and this one's bounds are narrower.
     formulas = ("robust",) if precision == "real" else _formulas(intersection)
-    bounds = None
-    for formula in formulas:
-        found = image_bounds(
+    found = [
+        image_bounds(
             uniforms,
             program_of(scene, formula),
             Frame(width, height),
             PRECISIONS[precision],
             lambda pixels: done(pixels / len(formulas)),
         )
-        bounds = found if bounds is None else bounds.hull(found)
-    return Certificate(scene, precision, intersection, bounds)
+        for formula in formulas
+    ]
+    return Certificate(scene, precision, intersection, reduce(Bounds.hull, found))
 
 
 def _formulas(intersection: str) -> tuple[str, ...]:
@@ -221,7 +222,8 @@ def read_certificate(path: str | Path) -> Certificate:
 
     def layer(name: str) -> tuple[np.ndarray, np.ndarray]:
         ends = (np.stack([planes[f"{name}.{end}.{channel}"] for channel in "RGB"], axis=-1) for end in _ENDS)
-        return tuple(end.astype(np.float64) for end in ends)
+        low, high = (end.astype(np.float64) for end in ends)
+        return low, high
 
     scene = scene_from_toml(metadata["scene"], f"{path}: the scene in its metadata")
     reason = planes["reason"].astype(np.uint8)

@@ -66,7 +66,8 @@ class Verification:
         if not outside.any():
             return []
         grown = ndimage.binary_dilation(outside, iterations=_NEAR // 2)
-        labels, _ = ndimage.label(grown, structure=np.ones((3, 3)))
+        labels: Any = np.zeros(grown.shape, np.int32)
+        ndimage.label(grown, structure=np.ones((3, 3)), output=labels)
         steps = self._steps()
         found = []
         for i, place in enumerate(ndimage.find_objects(labels), start=1):

@@ -5,7 +5,7 @@ import signal
 import sys
 from importlib.metadata import version
 from types import ModuleType
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 import wrapt
@@ -63,7 +63,7 @@ def _without_command(
 
 
 # The common base of typer's own errors, of which typer.BadParameter is one, wherever the class is kept.
-_UsageError = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
+_UsageError: Any = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
 
 
 _RAN_AND_FAILED = 1
@@ -100,7 +100,7 @@ def run() -> None:
         code = ended.code
     # Not by way of the interpreter's end: after an interruption XLA may still be computing in a thread of its own,
     # and would crash when the interpreter is taken down under it.
-    os._exit(code or 0)
+    os._exit(code if isinstance(code, int) else 1 if code else 0)
 
 
 def _with_all_cores(jax: ModuleType) -> None:

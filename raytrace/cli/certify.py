@@ -12,6 +12,7 @@ from raytrace.cli.options import Changes, Scene, Size, progress, size_of, taking
 from raytrace.errors import InputError
 from raytrace.image.depth import Depth
 from raytrace.rendering import Options, Rendering
+from raytrace.scene import data
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 
 __all__ = ["certify", "verify"]
@@ -67,22 +68,24 @@ def verify(
 
     if (image is None) == (options.shader is None):
         raise InputError("verify: give an image, or a shader with --shader")
-    if (scene is None) == (certificate is None):
+    if scene is not None and certificate is None:
+        bounds, known, shape = None, load_scene(scene, changes), options.size
+    elif scene is None and certificate is not None:
+        bounds = read_certificate(certificate)
+        known, shape = bounds.scene, bounds.size
+        if changes:
+            raise InputError("--set: a certificate's scene is as it is")
+    else:
         raise InputError("verify: needs the image's scene (--scene), or a certificate (--certificate)")
-    bounds = None if certificate is None else read_certificate(certificate)
-    if bounds is not None and changes:
-        raise InputError("--set: a certificate's scene is as it is")
-    known = load_scene(scene, changes) if bounds is None else bounds.scene
-    shape = options.size if bounds is None else bounds.size
-    if options.shader is not None:
+    if image is not None:
+        values, kind, depth = _values(image, known, shape, linear)
+    else:
         shown = Rendering(replace(options, scene=known, size=shape, backend="opengl")).whole()
         values, kind, depth = np.asarray(shown), "display", None
-    else:
-        values, kind, depth = _values(image, known, shape, linear)
     if bounds is None:
-        shape = values.shape[1::-1]
-        with progress(shape[0] * shape[1], "bounding") as advance:
-            bounds = certified(known, shape, precision=precision, intersection=intersection, done=advance)
+        height, width = values.shape[:2]
+        with progress(width * height, "bounding") as advance:
+            bounds = certified(known, (width, height), precision=precision, intersection=intersection, done=advance)
     found = verified(values, bounds, kind, depth)
     if marked:
         write_image(marked, found.marked())
@@ -91,7 +94,7 @@ def verify(
         raise typer.Exit(1)
 
 
-def _values(image: str, scene: object, size: tuple[int, int], linear: bool) -> tuple[np.ndarray, str, Depth | None]:
+def _values(image: str, scene: data.Scene, size: tuple[int, int], linear: bool) -> tuple[np.ndarray, str, Depth | None]:
     """The values of a file or a backend, whether they are display or linear ones, and a file's depth."""
     from raytrace.comparison.inputs import KINDS, rendering_of, usual_kind
     from raytrace.image import read_depth, read_image, read_metadata

@@ -35,8 +35,8 @@ def conformance(
     else:
         for line in result.outside:
             print(line)
-        for engine, why in result.missing.items():
-            print(f"left out: {engine}: {why}")
+        for name, why in result.missing.items():
+            print(f"left out: {name}: {why}")
         print(
             f"{result.scenes} scenes, {result.images} images, {result.pixels} pixels: "
             f"{len(result.outside)} images have pixels outside; {result.wide:.1%} of the bounds are over 1/255"

@@ -50,7 +50,7 @@ def check(
     max_share: Annotated[
         float | None, typer.Option(help="The share of pixels over 1/255, at most; default: 0.001.")
     ] = None,
-    report: Annotated[Path | None, typer.Option(help="The HTML report.")] = Path("report.html"),
+    report: Annotated[Path, typer.Option(help="The HTML report.")] = Path("report.html"),
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
 ) -> None:
     """Check a backend, a shader, or another renderer's images against golden images; exit code 1 if any fails."""

@@ -50,8 +50,9 @@ def stress(
             print(f"{AXES[axis].title}, by {AXES[axis].x}")
             _print(points)
         _print_bounds(found, missing)
-    for axis, points in by_axis.items() if plot else ():
-        write_plot(axis, points, plot / f"{axis}.png")
+    if plot:
+        for axis, points in by_axis.items():
+            write_plot(axis, points, plot / f"{axis}.png")
     if not all(verdict.holds for verdict in found):
         raise typer.Exit(1)
 

@@ -77,7 +77,8 @@ def diagnosis(a: np.ndarray, b: np.ndarray, reference: Reference | None) -> Diag
 
     def mistakes(every: int) -> list[tuple[str, Callable[[], np.ndarray]]]:
         """What is said of B, and every so many rows and columns of A with that mistake."""
-        some_a, some_b, light = (None if image is None else image[::every, ::every] for image in (a, b, linear))
+        some_a, some_b = a[::every, ::every], b[::every, ::every]
+        light = None if linear is None else linear[::every, ::every]
         return [
             *((name, partial(_through, view, a, reference, every)) for name, view in views(width, height).items()),
             *channel_mistakes(some_a),
@@ -111,7 +112,7 @@ def _weighed(name: str, a: np.ndarray, wrong: np.ndarray, b: np.ndarray) -> Diag
     before = _excess(a, b)
     if before == 0 or np.count_nonzero(reached) < _REACHED * reached.size:
         return Diagnosis(name, 0.0, (0.0, 0.0), (0, 0))
-    over = tuple(int(np.count_nonzero(pixels_over(image, b))) for image in (a, wrong))
+    over = int(np.count_nonzero(pixels_over(a, b))), int(np.count_nonzero(pixels_over(wrong, b)))
     return Diagnosis(name, 1 - _excess(wrong, b) / before, (rmse(a, b), rmse(wrong, b)), over)
 
 

@@ -57,7 +57,7 @@ def comparable(
     The arguments are those of `raytrace.compare`, which says what is raised.
     """
     scene = None if scene is None else as_scene(scene)
-    names = names or tuple(_name(source, letter) for source, letter in zip(sources, "AB", strict=True))
+    names = names or (_name(sources[0], "A"), _name(sources[1], "B"))
     found = [
         None if _is_backend(source) else read_picture(source, name, kind, with_scene=scene is None)
         for source, name, kind in zip(sources, names, kinds, strict=True)
@@ -75,7 +75,7 @@ def comparable(
     depths = [image.depth for image in (a, b) if image.kind == "display" and image.depth.unit > FLOAT32.unit]
     depth = max(depths, key=lambda depth: depth.unit, default=None)
     if depth is not None:
-        images = tuple(map(depth.rounded, images))
+        images = depth.rounded(images[0]), depth.rounded(images[1])
     return images, depth, names, known
 
 

@@ -79,9 +79,10 @@ def matrix(scene: Scene | str | Path, size: tuple[int, int] = (1920, 1080)) -> M
             images[label] = finite(image.astype(np.float64, copy=False), label)
         except (InputError, EngineFailure) as error:
             missing[label] = " ".join(str(error).split())
-    pairs = {labels: _pair(*map(images.get, labels)) for labels in combinations_with_replacement(images, 2)}
+    pairs = {(a, b): _pair(images[a], images[b]) for a, b in combinations_with_replacement(images, 2)}
     pairs |= {(b, a): pair for (a, b), pair in pairs.items()}
-    ssim, over = (tuple(tuple(pairs[a, b][part] for b in images) for a in images) for part in (0, 1))
+    ssim = tuple(tuple(pairs[a, b][0] for b in images) for a in images)
+    over = tuple(tuple(pairs[a, b][1] for b in images) for a in images)
     return Matrix(size, tuple(images), ssim, over, missing)
 
 

@@ -1,7 +1,7 @@
 """How far two images are apart: each function takes two float64 arrays (height, width, 3) of display values."""
 
 from math import inf, log10
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -74,9 +74,10 @@ def similarity(a: np.ndarray, b: np.ndarray) -> Similarity | None:
 
     if min(a.shape[:2]) < WINDOW:
         return None
-    mean, windows = structural_similarity(
+    found: Any = structural_similarity(
         a, b, gaussian_weights=True, sigma=1.5, use_sample_covariance=False, data_range=1, channel_axis=-1, full=True
     )
+    mean, windows = found
     y, x, channel = np.unravel_index(np.argmin(windows), windows.shape)
     return Similarity(float(mean), float(windows[y, x, channel]), int(x), int(y))
 
@@ -119,8 +120,10 @@ def flip(a: np.ndarray, b: np.ndarray) -> Flip:
     """
     import flip_evaluator
 
-    shown = (np.ascontiguousarray(np.clip(image, 0, 1), dtype=np.float32) for image in (a, b))
-    differences, _, parameters = flip_evaluator.evaluate(*shown, "LDR", applyMagma=False, computeMeanError=False)
+    shown_a, shown_b = (np.ascontiguousarray(np.clip(image, 0, 1), dtype=np.float32) for image in (a, b))
+    differences, _, parameters = flip_evaluator.evaluate(
+        shown_a, shown_b, "LDR", applyMagma=False, computeMeanError=False
+    )
     return Flip(*_spread(differences.astype(np.float64)), float(parameters["ppd"]))
 
 

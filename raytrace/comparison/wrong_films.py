@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 
@@ -77,4 +78,5 @@ def _exposure(linear: np.ndarray, film: FilmUniforms, program: Program, b: np.nd
         return np.mean(np.square(developed(some, _exposed(film, 2.0**stops), program) - shown))
 
     start = min(range(-_STOPS, _STOPS + 1, 2), key=error)
-    return float(2 ** minimize_scalar(error, bounds=(start - 2, start + 2), method="bounded").x)
+    found: Any = minimize_scalar(error, bounds=(start - 2, start + 2), method="bounded")
+    return float(2**found.x)

@@ -8,22 +8,23 @@ from raytrace.language.glsl import Vec3
 from raytrace.language.jet import Jet, jet, values
 from raytrace.language.tree import array_map
 from raytrace.language.types import Float, Int
-from raytrace.shader.light import Footprint, place_of_plane
+from raytrace.shader.light import Footprint
+from raytrace.shader.shadows import place_of_plane, shadow_along
 from raytrace.shader.uniforms import Plane, Program, Uniforms
 
 __all__ = ["PIXEL", "plane_surface"]
 
 
 @step
-def shadow(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program, but: Int | None = None) -> Float:
-    """Return the share of a pixel's rays, jets, that no sphere and no plane stops; `but` as of `shadow_ray`."""
+def shadow_ray(ro: Vec3, rd: Vec3, uniforms: Uniforms, program: Program, but: Int | None) -> Float:
+    """Return the share of a pixel's rays, jets, that nothing stops; `but`: as in `raytrace.shader.shadows`."""
     by_spheres = lit_share(ro, rd, uniforms.spheres, but)
     plane = None if uniforms.shadow_planes is None else place_of_plane(but, uniforms, program)
     return by_spheres * lit_share_of_planes(ro, rd, uniforms.shadow_planes, plane)
 
 
 #: Light over a pixel, of jets.
-PIXEL = Footprint(positive=positive_mean, centre=values, shadow=shadow)
+PIXEL = Footprint(positive=positive_mean, centre=values, shadow=shadow_along(shadow_ray))
 
 
 def plane_surface(point: Vec3, t: Jet, plane: Plane, program: Program) -> tuple[Vec3, Vec3]:

@@ -1,7 +1,6 @@
 """What shapes the text of the GLSL: the choices of a scene, and of whoever asks for it."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -44,8 +43,8 @@ class Choices:
     transfer: str
     exposure: bool
     white_balance: bool
-    data: Literal["constants", "uniforms"] = "constants"
-    output: Literal["display", "linear", "steps"] = "display"
+    data: str = "constants"
+    output: str = "display"
     samples: int = 1
     size: tuple[int, int] = (1, 1)
 
@@ -94,7 +93,10 @@ def choices_of(
         intersection=program.intersection,
         orthographic=program.orthographic,
         patterned=program.patterned,
-        printed_checkerboard=data == "constants" and program.patterned and _printed(uniforms.planes),
+        printed_checkerboard=data == "constants"
+        and program.patterned
+        and uniforms.planes is not None
+        and _printed(uniforms.planes),
         tone_mapper=program.tone_mapper,
         transfer=program.transfer,
         exposure=uniforms.film.exposure is not None,
@@ -106,10 +108,10 @@ def choices_of(
     )
 
 
-def _printed(planes: Plane) -> bool:
+def _printed(planes: Plane | None) -> bool:
     """Whether every plane has the colours of the assignment's checkerboard."""
     printed = Checkerboard()
-    return all(
+    return planes is not None and all(
         np.array_equal(np.float32(leaf), np.full(count(planes), np.float32(value)))
         for colors, values in (
             (planes.even, printed.even),

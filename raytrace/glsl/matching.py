@@ -109,7 +109,7 @@ def _found(name: str, own: dict[str, np.ndarray], known: dict[str, np.ndarray]) 
         # An array with room for more than the scene has.
         return (None if first is None else np.zeros_like(first)), None
     meaning = meaning_of(name)
-    return known.get(meaning), meaning
+    return (None if meaning is None else known.get(meaning)), meaning
 
 
 def _fitted(value: np.ndarray, uniform: Any, direction: bool, where: str) -> np.ndarray:

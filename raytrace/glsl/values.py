@@ -1,5 +1,6 @@
 """The values of a scene's uniforms, by the names that they have in GLSL."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from raytrace.shader.uniforms import Plane, Uniforms
 __all__ = ["PLANE_FIELDS", "flat_values", "values_of"]
 
 #: The fields of ``struct Plane``, in its order, beside those of `raytrace.shader.uniforms.Plane`.
-PLANE_FIELDS = dict(
+PLANE_FIELDS: dict[str, str] = dict(
     zip(("point", "normal", "tileSize", "evenColor", "oddColor", "lineColor"), Plane._fields, strict=True)
 )
 _SPHERE_FIELDS = {name: name for name in ("center", "radius", "color")}
@@ -60,7 +61,7 @@ def _array(record: Any) -> np.ndarray:
     return leaves if isinstance(record, tuple) else leaves.reshape(())
 
 
-def _structs(structs: Any, names: dict[str, str]) -> list[dict[str, np.ndarray]]:
+def _structs(structs: Any, names: Mapping[str, str]) -> list[dict[str, np.ndarray]]:
     """One dict a struct, of a struct of arrays."""
     if structs is None:
         return []

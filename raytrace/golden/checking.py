@@ -95,7 +95,7 @@ class GoldenFolder:
 
     def _checked(self, name: str, image: Any, comparison: Comparison, asked: Mapping[str, float]) -> Checked:
         if name not in self.certified:
-            return Checked(name, tuple(failures(comparison, BOUNDS | asked)), comparison)
+            return Checked(name, tuple(failures(comparison, {**BOUNDS, **asked})), comparison)
         # As the image is stored: the comparison has developed linear light, and rounded what is finer than the other.
         certificate = read_certificate(self.certified[name])
         if isinstance(image, str | Path):

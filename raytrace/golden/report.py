@@ -145,7 +145,9 @@ def _picture(image: np.ndarray) -> str:
 
     height, width = image.shape[:2]
     if width > _THUMBNAIL:
-        image = resize(image, (max(1, round(height * _THUMBNAIL / width)), _THUMBNAIL, 3), anti_aliasing=True)
+        image = np.asarray(
+            resize(image, (max(1, round(height * _THUMBNAIL / width)), _THUMBNAIL, 3), anti_aliasing=True)
+        )
     return _url(lambda path: write_image(path, np.asarray(image, np.float64)))
 
 

@@ -52,7 +52,7 @@ class Depth:
         values = np.asarray(values, np.float64)
         own = _unit_in_the_last_place(values, self.bits) / 2 if self.floating else 0.5 / self._most
         if self.floating and self.bits >= 32:
-            return own
+            return np.asarray(own)
         return own + _unit_in_the_last_place(values, 32)
 
     def numbers(self, values: Any) -> tuple[np.ndarray, np.ndarray]:

@@ -51,7 +51,7 @@ def attributes(path: Path, output: str, metadata: Mapping[str, str]) -> dict[str
 
     TIFF knows no names of ours, so its description holds them as JSON.
     """
-    found = {"DateTime": _EPOCH}
+    found: dict[str, Any] = {"DateTime": _EPOCH}
     tiff, linear = path.suffix.lower() in _TIFF_ENDINGS, output == "linear"
     if tiff:
         found["Exif:ColorSpace"] = _UNCALIBRATED if linear else _SRGB

@@ -130,7 +130,10 @@ def descended(
     half: half of the step between two values that the picture can store. start: a sun's direction and an exposure.
     exposure: whether that changes too. step: called with 1 after each picture.
     """
-    from scipy.optimize import least_squares
+    from scipy import optimize
+
+    # Its annotations know neither a function for `jac` nor ``None`` for `gtol`.
+    least_squares: Any = optimize.least_squares
 
     chart, dimensions = Chart.around(*start), 2 + exposure
     inside = blocks.inside

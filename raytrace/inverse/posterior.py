@@ -9,7 +9,7 @@ Scand. J. Stat. 39, 2012). The prior is uniform over the sphere and in stops.
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -185,7 +185,7 @@ def degrees_between(a: np.ndarray, b: np.ndarray) -> np.ndarray | np.floating:
     return np.degrees(2 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=-1) / 2, 0, 1)))
 
 
-def quantile(values: np.ndarray, weights: np.ndarray, share: float) -> float:
+def quantile(values: Any, weights: np.ndarray, share: float) -> float:
     """Return the least of the weighted values that no more than `share` of them are below."""
     order = np.argsort(values)
     return float(np.interp(share, np.cumsum(weights[order]) - weights[order] / 2, values[order]))

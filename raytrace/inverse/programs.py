@@ -21,6 +21,7 @@ def kept(name: str, program: Program, jitted: Callable, given: tuple) -> Callabl
     """
     import jax
 
+    from raytrace.backends.jax.devices import x64_mode
     from raytrace.backends.jax.stored import choices_as_text
 
     choices = choices_as_text(program)
@@ -28,7 +29,7 @@ def kept(name: str, program: Program, jitted: Callable, given: tuple) -> Callabl
         return jitted
     leaves, tree = jax.tree.flatten(given)
     shapes = tuple((np.shape(leaf), np.dtype(getattr(leaf, "dtype", np.float64))) for leaf in leaves)
-    return _compiled(name, choices, jitted, tree, shapes, bool(jax.config.jax_enable_x64))
+    return _compiled(name, choices, jitted, tree, shapes, x64_mode())
 
 
 @lru_cache(maxsize=MOST)

@@ -187,6 +187,7 @@ def _developed(program: Program, uniforms: Any, chunk: Chunk, direction: Any, st
     from raytrace.language.glsl import Vec3
     from raytrace.shader.film import develop
     from raytrace.shader.light import light_at_point
+    from raytrace.shader.shadows import footprint_of
     from raytrace.shader.sky import background_color
 
     shape = chunk.met.shape[1:]
@@ -201,7 +202,8 @@ def _developed(program: Program, uniforms: Any, chunk: Chunk, direction: Any, st
     def surface() -> Vec3:
         if program.lighting == "off":
             return albedo
-        return light_at_point(point, normal, index, uniforms, program).light * albedo
+        footprint = footprint_of(uniforms, program)
+        return light_at_point(point, normal, index, uniforms, program, footprint=footprint).light * albedo
 
     def sky() -> Vec3:
         color = background_color(rd, uniforms.sky, uniforms.sun)

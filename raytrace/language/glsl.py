@@ -55,8 +55,8 @@ class _Componentwise:
     __array_ufunc__ = None
     __slots__ = ()
 
-    def _with(self, operation, other):
-        others = other if isinstance(other, _Componentwise) else (other,) * len(self)
+    def _with(self: Any, operation, other: Any):
+        others = other if _is_vector(other) else (other,) * len(self)
         return type(self)(*map(operation, self, others))
 
     def __add__(self, other):
@@ -83,7 +83,7 @@ class _Componentwise:
     def __rtruediv__(self, other):
         return self._with(lambda a, b: b / a, other)
 
-    def __neg__(self):
+    def __neg__(self: Any):
         return type(self)(*map(operator.neg, self))
 
 
@@ -119,7 +119,7 @@ class _Matrix:
     __array_ufunc__ = None
     __slots__ = ()
 
-    def __mul__(self, vector):
+    def __mul__(self: Any, vector):
         own = _own("dot", *vector, *self.x)
         if own is not None:
             return type(self.x)(*(own(row, vector) for row in zip(*self, strict=True)))
@@ -201,7 +201,7 @@ def mix(a: Any, b: Any, share: Any) -> Any:
     own = _own("mix", *_components(a), *_components(b), *_components(share))
     if own is None:
         return a * (1 - share) + b * share
-    vector = next((type(x) for x in (a, b, share) if isinstance(x, _Componentwise)), None)
+    vector: Any = next((type(x) for x in (a, b, share) if isinstance(x, _Componentwise)), None)
     if vector is None:
         return own(a, b, share)
     n = len(vector._fields)
@@ -209,7 +209,11 @@ def mix(a: Any, b: Any, share: Any) -> Any:
 
 
 def _components(x: Any) -> tuple:
-    return tuple(x) if isinstance(x, _Componentwise) else (x,)
+    return tuple(x) if _is_vector(x) else (x,)
+
+
+def _is_vector(x: Any) -> bool:
+    return isinstance(x, _Componentwise)
 
 
 def floor(x: Any) -> Any:

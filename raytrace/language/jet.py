@@ -38,7 +38,7 @@ class Jet(NamedTuple):
 
     # NumPy's operators then leave the operation to this class.
     __array_ufunc__ = None
-    __hash__ = None
+    __hash__ = None  # pyright: ignore[reportAssignmentType]
 
     def __array_namespace__(self, api_version: str | None = None) -> Any:
         return _Namespace(namespace(self.value))

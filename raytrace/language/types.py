@@ -4,13 +4,16 @@ The tests check them at run time (jaxtyping and beartype).
 """
 
 import re
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from jaxtyping import AbstractDtype
 from jaxtyping import Bool as BoolDtype
 from jaxtyping import Int as IntDtype
 
 __all__ = ["Array", "Bool", "Float", "Int"]
+
+#: An array of any conforming library: NumPy, JAX (concrete or traced), or a type of one's own.
+Array: TypeAlias = Any
 
 
 class Real(AbstractDtype):
@@ -19,9 +22,11 @@ class Real(AbstractDtype):
     dtypes: ClassVar = [re.compile(".*float.*|longdouble")]
 
 
-#: An array of any conforming library: NumPy, JAX (concrete or traced), or a type of one's own.
-Array = Any
-
-Float = Real[Any, "*#pixels"]
-Bool = BoolDtype[Any, "*#pixels"]
-Int = IntDtype[Any, "*#pixels"]
+if TYPE_CHECKING:
+    Float: TypeAlias = Any
+    Bool: TypeAlias = Any
+    Int: TypeAlias = Any
+else:
+    Float = Real[Any, "*#pixels"]
+    Bool = BoolDtype[Any, "*#pixels"]
+    Int = IntDtype[Any, "*#pixels"]

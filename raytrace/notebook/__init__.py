@@ -37,4 +37,5 @@ def view(scene: Scene | str | Path = "checkerboard", size: tuple[int, int] = (64
         from raytrace.notebook.widget import View
     except ModuleNotFoundError as error:
         raise InputError(f"view: needs {error.name}, which the extra has: pip install 'raytrace[notebooks]'") from None
-    return View(scene, tuple(size), samples)
+    width, height = size
+    return View(scene, (width, height), samples)

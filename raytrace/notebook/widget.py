@@ -87,9 +87,9 @@ class View:
 
     def _fast_size(self) -> tuple[int, int]:
         """The largest of the size, its half and its quarter that can be drawn often enough."""
-        size = self.size
+        size = width, height = self.size
         for divisor in (1, 2, 4):
-            size = tuple(-(-side // divisor) for side in self.size)
+            size = -(-width // divisor), -(-height // divisor)
             render(self._scene, size)
             # Another scene, as what is prepared of the last one is kept.
             moved = replace(self._scene, camera=orbited(self._scene.camera, self._pivot, 1e-3, 0.0))

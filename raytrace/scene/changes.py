@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from typing import Any
 
 from raytrace.errors import InputError
 
@@ -24,7 +25,7 @@ def change(document: dict, setting: str) -> None:
     if not equals or not parts:
         raise InputError(f"--set {setting}: must be key=value, such as sun.direction=[0,1,0]")
     *parents, last = parts
-    place = document
+    place: Any = document
     try:
         for part in parents:
             place = _entered(place, part)

@@ -94,5 +94,6 @@ def is_traced(scene: Any) -> bool:
     if "jax" not in sys.modules:
         return False
     import jax
+    from jax.core import Tracer
 
-    return any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree_util.tree_leaves(scene))
+    return any(isinstance(leaf, Tracer) for leaf in jax.tree_util.tree_leaves(scene))

@@ -8,7 +8,7 @@ become NumPy float64 arrays; arrays, traced ones included, are kept as they are.
 
 from collections.abc import Callable, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
-from typing import Any, Literal, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -56,16 +56,61 @@ Matrix: TypeAlias = Any  # shape (4, 4)
 Numbers: TypeAlias = Any  # shape (n,)
 Vectors: TypeAlias = Any  # shape (n, 3)
 
-T = TypeVar("T")
-
 #: A camera that looks along its own up, as far as numbers show, has no sideways; the sine of the angle between them.
 LEAST_SINE = 1e-9
-NODES: list[type] = []
 
 
-def _node(cls: type[T]) -> type[T]:
-    """Make a frozen dataclass, which is a JAX pytree (`raytrace.scene.pytree`); its docstring names the fields."""
-    cls = dataclass(frozen=True, eq=False)(cls)
+def _as_array(value: Any, name: str) -> Any:
+    """Numbers, sequences of them and arrays of integers as float64 arrays; records, and all that is traced, as is.
+
+    Raises:
+        InputError: a sequence holds something that is no number, or that is traced.
+    """
+    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "f":
+        return value
+    if not isinstance(value, int | float | list | tuple | np.ndarray | np.generic):
+        return value
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{name}: must be numbers, or one array (jax.numpy.array for traced ones)") from None
+
+
+def _equal(a: Any, b: Any) -> bool:
+    if isinstance(a, np.ndarray) or hasattr(a, "__array_namespace__"):
+        return np.array_equal(a, b)
+    return a == b
+
+
+@dataclass(frozen=True, eq=False)
+class _Record:
+    """Conversion to arrays, and equality by value."""
+
+    __hash__ = None  # pyright: ignore[reportAssignmentType]
+
+    def problem(self) -> str | None:
+        """Return what is wrong with the fields together, each of which is right; ``None`` if nothing."""
+        return None
+
+    def __post_init__(self):
+        for entry in fields(self):
+            if not entry.metadata.get("static"):
+                object.__setattr__(self, entry.name, _as_array(getattr(self, entry.name), entry.name))
+
+    def __eq__(self, other: object) -> bool:
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(_equal(getattr(self, entry.name), getattr(other, entry.name)) for entry in fields(self))
+
+
+Record = TypeVar("Record", bound=_Record)
+
+#: The classes of a scene.
+NODES: list[type[_Record]] = []
+
+
+def _node(cls: type[Record]) -> type[Record]:
+    """Name a dataclass's fields in its docstring, and remember it: it is a JAX pytree (`raytrace.scene.pytree`)."""
     lines = [
         f"{entry.name}: {entry.metadata['words']}{of}."
         for entry in fields(cls)
@@ -96,49 +141,8 @@ def _static(words: str, default: Any, **what: Any) -> Any:
     return field(default=default, metadata={"static": True, "words": words, **what})
 
 
-def _as_array(value: Any, name: str) -> Any:
-    """Numbers, sequences of them and arrays of integers as float64 arrays; records, and all that is traced, as is.
-
-    Raises:
-        InputError: a sequence holds something that is no number, or that is traced.
-    """
-    if isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "f":
-        return value
-    if not isinstance(value, int | float | list | tuple | np.ndarray | np.generic):
-        return value
-    try:
-        return np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{name}: must be numbers, or one array (jax.numpy.array for traced ones)") from None
-
-
-def _equal(a: Any, b: Any) -> bool:
-    if isinstance(a, np.ndarray) or hasattr(a, "__array_namespace__"):
-        return np.array_equal(a, b)
-    return a == b
-
-
-class _Record:
-    """Conversion to arrays, and equality by value."""
-
-    __hash__ = None
-
-    def problem(self) -> str | None:
-        """Return what is wrong with the fields together, each of which is right; ``None`` if nothing."""
-        return None
-
-    def __post_init__(self):
-        for entry in fields(self):
-            if not entry.metadata.get("static"):
-                object.__setattr__(self, entry.name, _as_array(getattr(self, entry.name), entry.name))
-
-    def __eq__(self, other: object) -> bool:
-        if type(self) is not type(other):
-            return NotImplemented
-        return all(_equal(getattr(self, entry.name), getattr(other, entry.name)) for entry in fields(self))
-
-
 @_node
+@dataclass(frozen=True, eq=False)
 class Spheres(_Record):
     """An array of n spheres: numbers of shape (n, 3), (n,) and (n, 3)."""
 
@@ -148,6 +152,7 @@ class Spheres(_Record):
 
 
 @_node
+@dataclass(frozen=True, eq=False)
 class Checkerboard(_Record):
     """The assignment's pattern: tiles in world x and z, a line in the middle of each axis."""
 
@@ -158,6 +163,7 @@ class Checkerboard(_Record):
 
 
 @_node
+@dataclass(frozen=True, eq=False)
 class Plain(_Record):
     """One colour."""
 
@@ -165,6 +171,7 @@ class Plain(_Record):
 
 
 @_node
+@dataclass(frozen=True, eq=False)
 class Plane(_Record):
     """A plane, whose normal is never flipped towards the viewer."""
 
@@ -175,6 +182,7 @@ class Plane(_Record):
 
 
 @_node
+@dataclass(frozen=True, eq=False)
 class Sun(_Record):
     """The sun, infinitely far away."""
 
@@ -183,6 +191,7 @@ class Sun(_Record):
 
 
 @_node
+@dataclass(frozen=True, eq=False)
 class Sky(_Record):
     """The sky's colours, linear RGB."""
 
@@ -207,6 +216,7 @@ def _misplaced(camera: Any) -> str | None:
 
 
 @_node
+@dataclass(frozen=True, eq=False)
 class PerspectiveCamera(_Record):
     """The camera of ShaderLabWeb."""
 
@@ -217,10 +227,12 @@ class PerspectiveCamera(_Record):
     near: Number = _numbers(LENGTH, "the distance of the near plane, which never clips", 0.1)
     far: Number = _numbers(LENGTH, "the distance of the far plane, which never clips", 100.0)
 
-    problem = _misplaced
+    def problem(self) -> str | None:
+        return _misplaced(self)
 
 
 @_node
+@dataclass(frozen=True, eq=False)
 class OrthographicCamera(_Record):
     """An extension: parallel rays from the near plane."""
 
@@ -231,10 +243,12 @@ class OrthographicCamera(_Record):
     near: Number = _numbers(LENGTH, "the distance of the near plane, which never clips", 0.1)
     far: Number = _numbers(LENGTH, "the distance of the far plane, which never clips", 100.0)
 
-    problem = _misplaced
+    def problem(self) -> str | None:
+        return _misplaced(self)
 
 
 @_node
+@dataclass(frozen=True, eq=False)
 class MatrixCamera(_Record):
     """The two matrices themselves, as arrays of rows.
 
@@ -256,6 +270,7 @@ Camera: TypeAlias = PerspectiveCamera | OrthographicCamera | MatrixCamera
 
 
 @_node
+@dataclass(frozen=True, eq=False)
 class Film(_Record):
     """From linear light to display values. The defaults are the assignment's and add nothing to it."""
 
@@ -280,6 +295,7 @@ class Film(_Record):
 
 
 @_node
+@dataclass(frozen=True, eq=False)
 class Scene(_Record):
     """Everything that is rendered. The defaults are the assignment's sun, sky and film, and an empty world."""
 
@@ -287,7 +303,7 @@ class Scene(_Record):
     planes: Sequence[Plane] = _record("the planes", tuple)
     sun: Sun = _record("the sun", Sun)
     sky: Sky = _record("the sky", Sky)
-    lighting: Literal["off", "on", "shadow"] = _static(
+    lighting: str = _static(
         "off (figure 3), on (figure 5) or shadow (figure 6)", "shadow", choices=("off", "on", "shadow")
     )
     camera: Camera = _record("the camera", PerspectiveCamera)

@@ -50,7 +50,7 @@ class Table(BaseModel):
         return table
 
 
-def _table(record: type, base: type[Table] = Table, **own: Any) -> type[Table]:
+def _table(record: Any, **own: Any) -> Any:
     """The table of one of the scene's classes; own: types and defaults of fields that are not as they are there."""
     hints = get_type_hints(record)
     keys = {entry.name: own.pop(entry.name, None) or _key(entry, hints[entry.name]) for entry in fields(record)}
@@ -62,7 +62,8 @@ def _table(record: type, base: type[Table] = Table, **own: Any) -> type[Table]:
         return table
 
     checked = {"check": model_validator(mode="after")(check)}
-    return pydantic.create_model(f"{record.__name__}Table", __base__=base, __validators__=checked, **own, **keys)
+    create: Any = pydantic.create_model
+    return create(f"{record.__name__}Table", __base__=Table, __validators__=checked, **own, **keys)
 
 
 def _key(entry: Field, hint: Any) -> tuple[Any, Any]:

@@ -1,5 +1,6 @@
 """From a scene to what the shader is given: uniforms, computed in double, and the program's choices."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any, TypeVar
 
@@ -119,7 +120,7 @@ def _spheres(scene: Scene) -> shader.Sphere | None:
     return shader.Sphere(_vec3(spheres.center), spheres.radius, _vec3(spheres.color))
 
 
-def _planes(planes: tuple[Plane, ...]) -> shader.Plane | None:
+def _planes(planes: Sequence[Plane]) -> shader.Plane | None:
     if not planes:
         return None
     # The normal's length may be anything, so it is normalised here, once, in double.

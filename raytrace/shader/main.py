@@ -14,6 +14,7 @@ from raytrace.shader.film import develop
 from raytrace.shader.hit import Hit
 from raytrace.shader.light import POINT, Footprint, Light, light_at_point
 from raytrace.shader.plane import closest_plane_intersect
+from raytrace.shader.shadows import footprint_of
 from raytrace.shader.sky import background_color
 from raytrace.shader.sphere import closest_sphere_intersect
 from raytrace.shader.uniforms import Plane, Program, Uniforms
@@ -65,7 +66,8 @@ def main(uniforms: Uniforms, program: Program, pixel_ndc: Vec2, keep: tuple[str,
     fields = tuple(name for name in SURFACE if name in keep or (name == "linear" and "display" in keep))
 
     def surface(ro, rd, hit):
-        return shade(ro, rd, hit, uniforms, program, every_shadow="shadow" in keep).only(fields)
+        footprint = footprint_of(uniforms, program)
+        return shade(ro, rd, hit, uniforms, program, "shadow" in keep, footprint=footprint).only(fields)
 
     def background(ro, rd, hit):
         zero = constant(0, rd.x)

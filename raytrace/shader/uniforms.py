@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from raytrace.language.glsl import Mat3, Mat4, Vec3
 from raytrace.language.types import Array
@@ -86,12 +86,12 @@ class Program:
     `raytrace.shader.film`, or functions of a `Vec3`.
     """
 
-    lighting: Literal["off", "on", "shadow"]
-    intersection: Literal["textbook", "robust"]
+    lighting: str
+    intersection: str
     orthographic: bool
     patterned: bool
     tone_mapper: str | Callable[[Vec3], Vec3]
     transfer: str | Callable[[Vec3], Vec3]
-    shadow_start: Literal["offset", "surface"] = "offset"
+    shadow_start: str = "offset"
     casting: tuple[int, ...] = ()
-    antialias: Literal["none", "edges"] = "none"
+    antialias: str = "none"

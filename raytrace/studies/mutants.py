@@ -36,7 +36,7 @@ CORRECT = (("numpy", "float32"), ("jax", "float32"), ("jax", "float64"), ("openg
 
 #: What each detector measures of an image and the reference; more is worse.
 METRICS: dict[str, Callable[[np.ndarray, np.ndarray], float]] = {
-    "SSIM": lambda a, b: 1 - similarity(a, b).mean,
+    "SSIM": lambda a, b: 1 - _similarity(a, b),
     "FLIP": lambda a, b: flip(a, b).mean,
     "PSNR": lambda a, b: -psnr(a, b),
     "largest": lambda a, b: largest_difference(a, b).value,
@@ -44,6 +44,11 @@ METRICS: dict[str, Callable[[np.ndarray, np.ndarray], float]] = {
 }
 BOUNDS = "bounds"
 DETECTORS = (BOUNDS, *METRICS)
+
+
+def _similarity(a: np.ndarray, b: np.ndarray) -> float:
+    found = similarity(a, b)
+    return 1.0 if found is None else found.mean
 
 
 class Study(NamedTuple):

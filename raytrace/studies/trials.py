@@ -45,7 +45,7 @@ def trials(scene: Scene, number: int, size: tuple[int, int], samples: int, seed:
         image = np.asarray(render(lit, size, samples=samples), np.float64)
         noisy = np.clip(image + random.normal(0, NOISE, image.shape), 0, 1)
         begun = time.perf_counter()
-        found = (np.nan,) * 3
+        found = np.nan, np.nan, np.nan
         try:
             fit = fit_sun(np.round(255 * noisy).astype(np.uint8), scene)
             found = float(degrees_between(direction, fit.direction)), fit.within_68, fit.within_95

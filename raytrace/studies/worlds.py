@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from raytrace.scene.data import PerspectiveCamera, Plane, Scene, Spheres, Sun
+from raytrace.scene.data import MatrixCamera, PerspectiveCamera, Plane, Scene, Spheres, Sun
 from raytrace.scene.sun import sun_angles, sun_direction
 
 __all__ = ["PARAMETERS", "Parameter", "random_world"]
@@ -79,7 +79,9 @@ def _sphere(number: int, center: tuple[float, ...] = (0.0, 0.0, 0.0), radius: fl
 
 def _camera(*along: float) -> Callable[[Scene, Any], Scene]:
     def moved(scene: Scene, h: Any) -> Scene:
-        return replace(scene, camera=replace(scene.camera, position=scene.camera.position + np.array(along) * h))
+        camera = scene.camera
+        assert not isinstance(camera, MatrixCamera)
+        return replace(scene, camera=replace(camera, position=camera.position + np.array(along) * h))
 
     return moved
 

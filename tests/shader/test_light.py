@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 import raytrace
 from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.light import light_at_point, shadow_ray
+from raytrace.shader.shadows import footprint_of
 from tests.strategies import directions, positions, unit, vec3
 
 
@@ -15,7 +16,8 @@ def shader(scene):
 
 def light(scene, point, N, index=-1, shadow_start="offset"):
     uniforms, program = uniforms_of(scene, 1.0), program_of(scene, "textbook", shadow_start)
-    return light_at_point(vec3(point), vec3(N), np.asarray(index, np.int32), uniforms, program)
+    footprint = footprint_of(uniforms, program)
+    return light_at_point(vec3(point), vec3(N), np.asarray(index, np.int32), uniforms, program, footprint=footprint)
 
 
 def test_by_hand():

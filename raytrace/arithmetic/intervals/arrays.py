@@ -172,7 +172,7 @@ class Interval:
     def __ne__(self, other: Any) -> "Condition":
         return ~(self == other)
 
-    __hash__ = None
+    __hash__ = None  # pyright: ignore[reportAssignmentType]
 
     def _compared(self, other: Any, may_hold: Callable, may_fail: Callable) -> Any:
         other = self._other(other)
@@ -209,7 +209,7 @@ class Condition:
     def __init__(self, may_hold: Any, may_fail: Any, xp: Any):
         self.may_hold, self.may_fail, self.xp = np.asarray(may_hold), np.asarray(may_fail), xp
         #: How an engine has decided what was undecided; for as long as the condition is used.
-        self.decision = None
+        self.decision: np.ndarray | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:

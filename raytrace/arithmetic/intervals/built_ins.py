@@ -36,7 +36,7 @@ def dot(x: Iterable[Any], y: Iterable[Any]) -> Interval:
     # A term that is 0 for all pixels, as of a matrix, leaves every sum as it is.
     terms = [term for term in terms if term.ndim or term.low != 0 or term.high != 0] or terms[:1]
     numbers = range(len(terms))
-    sums = {(i,): term for i, term in enumerate(terms)}
+    sums: dict[tuple[int, ...], Any] = {(i,): term for i, term in enumerate(terms)}
     # Any grouping adds, last, the sums of some of the terms and of the others.
     for size in numbers[1:]:
         for some in combinations(numbers, size + 1):

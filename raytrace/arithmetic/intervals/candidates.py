@@ -37,8 +37,8 @@ def candidates(body: Callable, start: Any, spheres: Sphere, rays: tuple) -> np.n
     def box(x: Interval) -> Interval:
         if x.ndim == 0:
             return Interval(x.low, x.high, xp)
-        ends = (extreme.reduceat(end, firsts) for extreme, end in ((np.minimum, x.low), (np.maximum, x.high)))
-        return Interval(*(end[:, None] for end in ends), xp)
+        low, high = np.minimum.reduceat(x.low, firsts), np.maximum.reduceat(x.high, firsts)
+        return Interval(low[:, None], high[:, None], xp)
 
     def row(x: Interval) -> Interval:
         return Interval(x.low[None, :], x.high[None, :], xp)

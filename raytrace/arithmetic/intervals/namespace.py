@@ -57,7 +57,8 @@ class IntervalNamespace:
             while denominator % factor == 0:
                 denominator //= factor
         if denominator == 1:
-            return Interval(*map(np.asarray, _neighbours(value)), self)
+            low, high = _neighbours(value)
+            return Interval(np.asarray(low), np.asarray(high), self)
         return Interval(*widened(nearest, nearest, self.model.quotient_literals, self.model), self)
 
     def where(self, condition: Condition, a: Any, b: Any) -> Any:

@@ -64,6 +64,7 @@ class Paths(Engine):
                 question = self.questions.setdefault(place, len(self.questions))
                 holds[undecided] = self._answers(question, self.pixels[undecided])
             condition.decision = holds
+            return holds
         return condition.decision
 
     def _answers(self, question: int, pixels: np.ndarray) -> np.ndarray:

@@ -43,10 +43,10 @@ def exact_product(a: Array, b: Array, product: Array) -> Array:
 
 def outward_sum(low: Ends, high: Ends, model: ErrorModel) -> Ends:
     """Ends of a sum from what `exact_sum` gives for the lower and for the upper ones. Exact sums stay exact."""
-    (low, low_lacks), (high, high_lacks) = low, high
-    low = np.where(low_lacks < 0, low - np.abs(low) * ULP64, low)
-    high = np.where(high_lacks > 0, high + np.abs(high) * ULP64, high)
-    return outward(low, high, model)
+    (least, least_lacks), (most, most_lacks) = low, high
+    least = np.where(least_lacks < 0, least - np.abs(least) * ULP64, least)
+    most = np.where(most_lacks > 0, most + np.abs(most) * ULP64, most)
+    return outward(least, most, model)
 
 
 def widened(low: Array, high: Array, ulps: float, model: ErrorModel) -> Ends:

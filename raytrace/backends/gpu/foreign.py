@@ -3,11 +3,13 @@
 It is code that nobody has looked at: it runs in a process apart from that of our own drawings, with a time limit.
 """
 
+from typing import Any
+
 import numpy as np
 
 from raytrace.backends.gpu.drawing import Drawing, ShaderProgram, ShaderRejected
 from raytrace.backends.gpu.process import engine_process
-from raytrace.backends.job import Job
+from raytrace.backends.job import ForeignShader, Job
 from raytrace.errors import EngineFailure, InputError
 from raytrace.glsl.matching import matched
 from raytrace.glsl.values import values_of
@@ -24,9 +26,9 @@ class ForeignRenderer:
         EngineFailure: it does not end within its time, or crashes the engine.
     """
 
-    def __init__(self, engine: str, uniforms: Uniforms, job: Job):
-        self.job, self.shader = job, job.shader
-        source = self.shader.source
+    def __init__(self, engine: str, uniforms: Uniforms, job: Job, shader: ForeignShader):
+        self.job, self.shader = job, shader
+        source = shader.source
         if engine == "webgl" and source.version != "300 es":
             raise InputError(f"{source.name}: backend webgl takes '#version 300 es', found '#version {source.version}'")
         self.process = engine_process(engine, foreign=True)
@@ -53,7 +55,7 @@ class ForeignRenderer:
         (name,) = self.job.keep
         return {name: self._image[first : first + count]}
 
-    def _asked(self, method: str, argument: ShaderProgram | Drawing) -> object:
+    def _asked(self, method: str, argument: ShaderProgram | Drawing) -> Any:
         source = self.shader.source
         try:
             return getattr(self.process, method)(argument, self.shader.time_limit)

@@ -41,7 +41,7 @@ class OpenGL:
             import moderngl
         except ImportError:
             raise Unavailable("needs moderngl: pip install moderngl") from None
-        options = {"backend": "egl"} if sys.platform == "linux" else {}
+        options: dict[str, Any] = {"backend": "egl"} if sys.platform == "linux" else {}
         try:
             self._context = moderngl.create_standalone_context(**options)
         except Exception as error:

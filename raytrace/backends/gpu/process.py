@@ -63,7 +63,7 @@ class EngineProcess:
             with suppress(OSError):
                 os.kill(pid, getattr(signal, "SIGKILL", signal.SIGTERM))
         process.wait()
-        for stream in (process.stdin, process.stdout):
+        for stream in filter(None, (process.stdin, process.stdout)):
             with suppress(OSError):
                 stream.close()
 
@@ -77,6 +77,8 @@ class EngineProcess:
         """
         with self._asking:
             process = self._running()
+            assert process.stdin is not None
+            assert process.stdout is not None
             late = threading.Event()
             timer = threading.Timer(limit, lambda: (late.set(), self.stop()))
             timer.start()

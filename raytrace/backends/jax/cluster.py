@@ -22,7 +22,7 @@ def cluster(coordinator: str | None, hosts: int | None, process_id: int | None) 
     given = coordinator, hosts, process_id
     if any(value is None for value in given) and any(value is not None for value in given):
         raise InputError("coordinator, hosts, process_id: give all three, or none to have the scheduler asked")
-    if hosts is not None and not 0 <= process_id < hosts:
+    if hosts is not None and process_id is not None and not 0 <= process_id < hosts:
         raise InputError(f"process_id: must be from 0 to {hosts - 1} for {hosts} hosts, found {process_id}")
     if coordinator is not None and not coordinator.rpartition(":")[2].isdigit():
         raise InputError(f"coordinator: must be HOST:PORT, found {coordinator!r}")

@@ -11,9 +11,12 @@ from jax.sharding import Mesh
 
 from raytrace.cores import cores
 
-__all__ = ["AXIS", "fetched", "hint_at_cores", "mesh", "one_device", "use_all_cores"]
+__all__ = ["AXIS", "fetched", "hint_at_cores", "mesh", "one_device", "use_all_cores", "x64_mode"]
 
 LOG = logging.getLogger("raytrace")
+
+#: JAX makes the attributes of its options at run time.
+CONFIG: Any = jax.config
 
 #: The name of the mesh's one axis.
 AXIS = "device"
@@ -53,18 +56,23 @@ def _hint(devices: int, available: int, platform: str) -> None:
 def _chosen() -> bool:
     """Whether somebody has said how many CPU devices there should be."""
     flags = os.environ.get("XLA_FLAGS", "")
-    return jax.config.jax_num_cpu_devices >= 0 or "xla_force_host_platform_device_count" in flags
+    return CONFIG.jax_num_cpu_devices >= 0 or "xla_force_host_platform_device_count" in flags
+
+
+def x64_mode() -> bool:
+    """Return whether JAX computes with 64 bits."""
+    return bool(CONFIG.jax_enable_x64)
 
 
 def mesh() -> Mesh:
     """All devices, those of other processes too; JAX's default device alone if the user has chosen one."""
-    default = jax.config.jax_default_device
+    default = CONFIG.jax_default_device
     return Mesh(np.array(jax.devices() if default is None else [default]), (AXIS,))
 
 
 def one_device() -> Mesh:
     """JAX's default device, or the first one of this process."""
-    default = jax.config.jax_default_device
+    default = CONFIG.jax_default_device
     return Mesh(np.array([jax.local_devices()[0] if default is None else default]), (AXIS,))
 
 

@@ -7,7 +7,6 @@ import jax.numpy as jnp
 from jax.sharding import Mesh, PartitionSpec
 
 from raytrace.backends.jax.devices import AXIS
-from raytrace.backends.jax.engines import OneProgram
 from raytrace.backends.jax.staged import SEARCHED, Culling, Staged, culling
 from raytrace.backends.jax.tiles import Tiles
 from raytrace.backends.job import Job
@@ -23,8 +22,8 @@ Images = dict[str, jax.Array]
 _STAGED = Staged()
 
 
-def engine_of(job: Job) -> OneProgram:
-    """The engine that the job asks for, or the fast one."""
+def engine_of(job: Job) -> Any:
+    """Return the engine that the job asks for, a `OneProgram`, or the fast one."""
     return job.engine or _STAGED
 
 
@@ -100,7 +99,7 @@ def _part(
 
     def tile(row: jax.Array, column: jax.Array) -> Images:
         at = engine
-        if isinstance(engine, Staged):
+        if isinstance(engine, Staged) and culled is not None:
             at = engine.at_block(job.program, culled, mode, differentiated)
         rows, columns = tiles.pixels(row + first_row, column + first_column)
         with running(at):

@@ -13,7 +13,7 @@ import numpy as np
 from jax import lax
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from raytrace.backends.jax.devices import fetched, hint_at_cores, mesh, one_device
+from raytrace.backends.jax.devices import fetched, hint_at_cores, mesh, one_device, x64_mode
 from raytrace.backends.jax.draw import draw, engine_of, tiles_of
 from raytrace.backends.jax.forward import by_forward_mode
 from raytrace.backends.jax.packing import Layout, pack
@@ -125,7 +125,7 @@ class Renderer:
         self.job, self.mode = replace(job, skip=True, exact_inputs=False), int(not job.skip)
         self.traced = any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(uniforms))
         #: float64 without x64 mode: switched on for as long as it takes.
-        self.borrows_x64 = job.dtype == "float64" and not jax.config.jax_enable_x64
+        self.borrows_x64 = job.dtype == "float64" and not x64_mode()
         if self.traced and self.borrows_x64:
             raise InputError(
                 "dtype float64: JAX is tracing in 32 bit; set jax_enable_x64, or trace within jax.enable_x64(True)"
@@ -154,17 +154,17 @@ class Renderer:
                 self._program(count, self._prepared())
 
     def draw(self, first: int, count: int) -> dict[str, Any]:
-        first, mode = np.int32(first), np.int32(self.mode)
+        row, mode = np.int32(first), np.int32(self.mode)
         with self._outside():
             if self.traced:
                 drawn = _traced(self.job, count, self.devices)
                 if self.job.program.antialias == "edges":
                     # Every edge's text is there several times over, which reverse mode takes minutes to compile.
-                    return by_forward_mode(lambda uniforms: drawn(uniforms, mode, first), self.uniforms)
-                return drawn(self.uniforms, mode, first)
+                    return by_forward_mode(lambda uniforms: drawn(uniforms, mode, row), self.uniforms)
+                return drawn(self.uniforms, mode, row)
             numbers, culled = prepared = self._prepared()
-            mode, first = jax.device_put((mode, first), self._everywhere())
-            images = self._program(count, prepared)(numbers, culled, mode, first)
+            mode, row = jax.device_put((mode, row), self._everywhere())
+            images = self._program(count, prepared)(numbers, culled, mode, row)
             # Spread over several processes it would be of no use to any of them.
             whole = self.borrows_x64 or jax.process_count() > 1
             return jax.tree.map(fetched, images) if whole else images

@@ -120,7 +120,7 @@ class Block(OwnFunctions):
     contexts: list[jax.Array | None] = field(default_factory=lambda: [None])
 
     # Two blocks hold different arrays, and are never equal.
-    __eq__ = object.__eq__
+    __eq__ = object.__eq__  # pyright: ignore[reportAssignmentType]
     __hash__ = object.__hash__
 
     @property
@@ -217,15 +217,16 @@ class _Loop(NamedTuple):
         plane = jax.tree.leaves(state)[0]
         active = jnp.ones(plane.shape, bool) if self.engine.active is None else self.engine.active
         active = jnp.broadcast_to(active, plane.shape)
-        where = self.visible.rays.coordinates(*self.args[:2], self.engine.quadratic)
+        where = self.visible.rays.coordinates(self.args[0], self.args[1], self.engine.quadratic)
         where = shaped(where, jax.tree.map(lambda x: jax.ShapeDtypeStruct(plane.shape, x.dtype), where))
         region = Region.of(where, active)
         size = min(n, CHUNK)
-        if grid is None:
+        large = self.visible.large
+        if grid is None or large is None:
             return self._listed(jnp.arange(n, dtype=jnp.int32), jnp.ones(n, bool), region, active, state)
 
         def of_chunk(k: jax.Array, state: Any) -> Any:
-            indices = lax.dynamic_slice(self.visible.large, (k * size,), (size,))
+            indices = lax.dynamic_slice(large, (k * size,), (size,))
             return self._listed(indices, k * size + jnp.arange(size) < grid.large, region, active, state)
 
         state = lax.fori_loop(0, -(-grid.large // size), of_chunk, state)

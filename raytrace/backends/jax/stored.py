@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import jax
-import jaxlib
+import jaxlib.version
 from jax.experimental import serialize_executable
 
 from raytrace.errors import InputError
@@ -57,14 +57,14 @@ def folder() -> Path | None:
     return Path(platformdirs.user_cache_dir("raytrace"))
 
 
-def stored(name: str | None, devices: Sequence[jax.Device], compiled: Callable[[], Any]) -> Any:
+def stored(name: str | None, devices: Sequence[Any], compiled: Callable[[], Any]) -> Any:
     """The program called `name`, from the folder if it is there, else as `compiled` makes it, which is then kept.
 
     A name holds everything that the program depends on, but for the machine and the versions. ``None`` for a program
     that has no such name. It runs on `devices`. Whatever goes wrong with the folder, there is a program.
     """
-    place = None if name is None else folder()
-    if place is None:
+    place = folder()
+    if name is None or place is None:
         return compiled()
     digest = hashlib.sha256("\n".join([_here(), name]).encode()).hexdigest()
     path = place / f"{digest[:40]}.program"
@@ -108,7 +108,7 @@ def _here() -> str:
         text.update(path.read_bytes())
     flags = os.environ.get("XLA_FLAGS", "")
     return "\n".join(
-        [_processor(), jax.__version__, jaxlib.__version__, platform.python_version(), flags, text.hexdigest()]
+        [_processor(), jax.__version__, jaxlib.version.__version__, platform.python_version(), flags, text.hexdigest()]
     )
 
 

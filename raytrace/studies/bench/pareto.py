@@ -41,9 +41,10 @@ def measured(
 def front(rows: list[Row]) -> list[Row]:
     """The rows, fastest first, that no other beats in both time and root mean square error."""
     best, kept = float("inf"), []
-    for row in sorted((row for row in rows if row.errors), key=lambda row: (row.timing.median, row.errors.rms)):
-        if row.errors.rms < best:
-            best = row.errors.rms
+    with_errors = [(row.timing.median, row.errors.rms, row) for row in rows if row.errors]
+    for _, rms, row in sorted(with_errors, key=lambda point: point[:2]):
+        if rms < best:
+            best = rms
             kept.append(row)
     return kept
 
@@ -60,13 +61,13 @@ def plot(rows: list[Row], title: str, path: Path) -> None:
     axes = figure.subplots()
     axes.set_xscale("log")
     axes.set_yscale("log")
-    drawn = [row for row in rows if row.errors and row.errors.rms > 0]
-    best = [row for row in front(rows) if row in drawn]
-    axes.plot([row.timing.median for row in best], [row.errors.rms for row in best], color="C0", zorder=2)
-    for number, row in enumerate(drawn, start=1):
+    points = [(row, row.errors.rms) for row in rows if row.errors and row.errors.rms > 0]
+    best = front([row for row, _ in points])
+    axes.plot([row.timing.median for row in best], [rms for row, rms in points if row in best], color="C0", zorder=2)
+    for number, (row, rms) in enumerate(points, start=1):
         color = "C0" if row in best else "0.6"
         spread = [[row.timing.median - row.timing.fastest], [row.timing.slowest - row.timing.median]]
-        point = row.timing.median, row.errors.rms
+        point = row.timing.median, rms
         label = f"{number}  {row.name}"
         axes.errorbar(*point, xerr=spread, fmt="o", color=color, capsize=2, zorder=3, label=label)
         # Neighbours in time have their numbers on different sides.

@@ -1,6 +1,6 @@
 """How far the compiled program is from what the machine can do."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,7 +31,8 @@ class Roofline(NamedTuple):
 def roofline(scene: Scene | str, size: tuple[int, int], runs: int) -> Roofline:
     """Of the scene in JAX float32, without skipping: then what is counted is what is computed."""
     rendering = Rendering(Options(scene, size, skip=False))
-    cost, tiles = rendering.renderer.cost(size[1])
+    renderer: Any = rendering.renderer
+    cost, tiles = renderer.cost(size[1])
     operations, moved = tiles * cost.get("flops", 0.0), tiles * cost.get("bytes accessed", 0.0)
     fused, copied = _peaks()
     timings = in_turn({"frame": rendering.whole, "fused": fused[0], "copied": copied[0]}, runs)
@@ -57,7 +58,7 @@ def _peaks() -> tuple:
 
     def multiply_add(x: jax.Array) -> jax.Array:
         # One kernel, of numbers that stay in the cache, with so many chains that do not wait for each other.
-        def turn(_: jax.Array, x: jax.Array) -> jax.Array:
+        def turn(_: Any, x: jax.Array) -> jax.Array:
             each = [x + k for k in range(chains)]
             for _ in range(depth):
                 each = [one * jnp.float32(0.999) + jnp.float32(0.001) for one in each]
@@ -65,7 +66,7 @@ def _peaks() -> tuple:
 
         return lax.fori_loop(0, turns, turn, x)
 
-    def on_all(function: object, x: np.ndarray) -> object:
+    def on_all(function: Any, x: Any) -> Any:
         spread = jax.device_put(x, NamedSharding(devices, PartitionSpec(AXIS)))
         run = jax.jit(
             jax.shard_map(

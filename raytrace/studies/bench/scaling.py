@@ -8,12 +8,13 @@ import time
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from raytrace.cores import cores
 from raytrace.errors import EngineFailure, InputError
 from raytrace.files import save_figure
 from raytrace.rendering import Options, Rendering, render
+from raytrace.scene.data import Scene
 from raytrace.scene.toml import DEFAULT_SCENE
 from raytrace.studies.bench.contenders import mitsuba_frame
 from raytrace.studies.bench.crowds import crowd
@@ -39,8 +40,8 @@ def by_spheres(size: tuple[int, int], runs: int) -> Iterator[Point]:
     for n in SPHERES:
         scene = crowd(n)
         # As `render` does it when a scene is new.
-        frames = {"jax float32": lambda scene=scene: render(scene, size)}
-        prepared = {}
+        frames: dict[str, Any] = {"jax float32": lambda scene=scene: render(scene, size)}
+        prepared: dict[str, float] = {}
         with suppress(InputError):
             frames["mitsuba queries"], prepared["mitsuba queries"] = mitsuba_frame(scene, size)
         timings = in_turn(frames, runs)
@@ -49,12 +50,13 @@ def by_spheres(size: tuple[int, int], runs: int) -> Iterator[Point]:
             yield Point(n, name, timing, prepared[name])
 
 
-def preparation(scene: object, size: tuple[int, int], runs: int = 3) -> float:
+def preparation(scene: Scene, size: tuple[int, int], runs: int = 3) -> float:
     """Median milliseconds of preparing a scene that was not the last one; compiled before."""
-    rendering, times = Rendering(Options(scene, size)), []
+    renderer: Any = Rendering(Options(scene, size)).renderer
+    times = []
     for _ in range(runs + 1):
         start = time.perf_counter()
-        rendering.renderer.prepare_anew()
+        renderer.prepare_anew()
         times.append(1e3 * (time.perf_counter() - start))
     return sorted(times[1:])[runs // 2]
 
@@ -112,7 +114,7 @@ def plot(points: list[Point], kind: str, path: Path) -> None:
         ]
         axes.errorbar(work, medians, yerr=spread, fmt="o-", color=f"C{color}", capsize=2, label=f"{name}, a frame")
         if mine[0].preparation is not None:
-            once = [point.preparation for point in mine]
+            once = [point.preparation or 0.0 for point in mine]
             axes.plot(work, once, "o--", color=f"C{color}", markersize=3, label=f"{name}, once for a scene")
     axes.set_xscale("log")
     axes.set_yscale("log")

@@ -89,16 +89,16 @@ def _conditioned(point: Measurement) -> float | None:
 def _beside_textbook(points: list[Measurement]) -> float | None:
     """The largest share of wrong decisions of robust in float32, over that of textbook on the same backend."""
     compared = [point for point in points if point.axis == "distance" and point.x == COMPARED]
-    shares = {point.who: point.wrong for point in compared}
+    shares = {point.who: point.wrong for point in compared if point.wrong is not None}
     backends = [who.split()[0] for who in shares if who.endswith("float32 textbook")]
     ratios = [shares[f"{name} float32 robust"] / shares[f"{name} float32 textbook"] for name in backends]
     return max(ratios, default=None)
 
 
-def _tiles(point: Measurement) -> float:
+def _tiles(point: Measurement) -> float | None:
     """The share of wrong tiles over roundoff times the number of tiles up to there."""
     dtype = next(name for name in EPS if name in point.who)
-    return point.wrong / (EPS[dtype] * point.x / TILE)
+    return None if point.wrong is None else point.wrong / (EPS[dtype] * point.x / TILE)
 
 
 BOUNDS = (

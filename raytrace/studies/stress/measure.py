@@ -33,7 +33,7 @@ class Measurement(NamedTuple):
     conditioned: float | None = None
 
 
-def ulps(found: np.ndarray, exact: Exact, dtype: Any) -> np.ndarray:
+def ulps(found: np.ndarray, exact: Any, dtype: Any) -> np.ndarray:
     """The errors of numbers in units in the last place of `dtype` at the exact number, float64, infinite for NaN.
 
     Where the exact number is subnormal or 0 the unit is that of the smallest normal number.

@@ -104,5 +104,6 @@ def everywhere(random: np.random.Generator, origin: np.ndarray, center: np.ndarr
 
 def _rays(origin: Any, directions: np.ndarray, center: Any, radius: Any) -> Rays:
     numbers = (np.asarray(x, np.longdouble) for x in (origin, directions, center))
-    origin, directions, center = (Vec3(*np.moveaxis(x, -1, 0)) for x in numbers)
-    return Rays(origin, directions, center, np.longdouble(radius))
+    vectors = (Vec3(*np.moveaxis(x, -1, 0)) for x in numbers)
+    start, towards, middle = vectors
+    return Rays(start, towards, middle, np.longdouble(radius))

@@ -11,9 +11,9 @@ from raytrace.backends.exact import exact_steps
 from raytrace.language.control import Engine, count
 from raytrace.language.tree import tree_leaves, tree_map
 from raytrace.rendering import render
-from raytrace.scene.data import Scene
+from raytrace.scene.data import MatrixCamera, Scene
 from raytrace.scene.toml import load_scene
-from raytrace.shader.light import SHADOW_STARTS
+from raytrace.shader.shadows import SHADOW_STARTS
 from raytrace.studies.stress.effort import Effort
 from raytrace.studies.stress.measure import Measurement
 
@@ -26,6 +26,7 @@ KEEP = ("index", "NdL", "shadow")
 def scaled(scene: Scene, factor: float) -> Scene:
     """The scene in another unit of length: everything `factor` times as large. By a power of two it is exact."""
     spheres, camera = scene.spheres, scene.camera
+    assert not isinstance(camera, MatrixCamera)
     return replace(
         scene,
         spheres=replace(spheres, center=spheres.center * factor, radius=spheres.radius * factor),

@@ -109,7 +109,7 @@ class SphereStress:
         origin = ORIGIN - (1 + side * min(height, 0.999)) * AWAY
         return everywhere(self.random, origin, ORIGIN, 1.0, self.effort.cases)
 
-    def _passing(self, ratio: float, radius: float = 1.0, offset: float = 0.0) -> Rays:
+    def _passing(self, ratio: float, radius: Any = 1.0, offset: float = 0.0) -> Rays:
         radius = np.longdouble(radius)
         # As likely anywhere in the disc that the rays pass through; from nearer than that, in the part that is ahead.
         widest = min(WIDEST, 0.999 * ratio)
@@ -145,7 +145,7 @@ class SphereStress:
 def _formulas() -> list[Implementation]:
     def contender(arithmetic: Any, intersection: str) -> Implementation:
         def formula(ro: Any, rd: Any, center: Any, radius: Any) -> Any:
-            return sphere_intersect(ro, rd, Sphere(center, radius, None), intersection)
+            return sphere_intersect(ro, rd, Sphere(center, radius, center), intersection)
 
         run = arithmetic.of(formula)
         return Implementation(f"{arithmetic.name} {intersection}", arithmetic.dtype, lambda rays: run(*rays))

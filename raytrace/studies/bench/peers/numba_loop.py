@@ -41,6 +41,7 @@ def frame(scene: Scene, size: tuple[int, int], fastmath: bool) -> Callable[[], n
 
 def _row(plane: Plane) -> np.ndarray:
     normal, pattern = plane.normal / np.linalg.norm(plane.normal), plane.pattern
+    assert isinstance(pattern, Checkerboard)
     return np.concatenate([plane.point, normal, [pattern.tile_size], pattern.even, pattern.odd, pattern.line])
 
 

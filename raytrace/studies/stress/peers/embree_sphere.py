@@ -45,7 +45,8 @@ def _embree() -> ctypes.CDLL:
         InputError: embreex is not installed, or does not bring it.
     """
     package = find_spec("embreex")
-    folders = [] if package is None else [Path(package.origin).parent, Path(package.origin).parents[1] / "embreex.libs"]
+    folder = None if package is None or package.origin is None else Path(package.origin).parent
+    folders = [] if folder is None else [folder, folder.parent / "embreex.libs"]
     found = [path for folder in folders for path in sorted(folder.glob("libembree4*.so*"))]
     if not found:
         raise InputError("embree: needs the package embreex: pip install embreex")
