@@ -203,7 +203,7 @@ def _developed(program: Program, uniforms: Any, chunk: Chunk, direction: Any, st
         if program.lighting == "off":
             return albedo
         footprint = footprint_of(uniforms, program)
-        return light_at_point(point, normal, index, uniforms, program, footprint=footprint).light * albedo
+        return light_at_point(point, normal, index, uniforms, program, False, footprint).light * albedo
 
     def sky() -> Vec3:
         color = background_color(rd, uniforms.sky, uniforms.sun)

@@ -17,7 +17,7 @@ def shader(scene):
 def light(scene, point, N, index=-1, shadow_start="offset"):
     uniforms, program = uniforms_of(scene, 1.0), program_of(scene, "textbook", shadow_start)
     footprint = footprint_of(uniforms, program)
-    return light_at_point(vec3(point), vec3(N), np.asarray(index, np.int32), uniforms, program, footprint=footprint)
+    return light_at_point(vec3(point), vec3(N), np.asarray(index, np.int32), uniforms, program, False, footprint)
 
 
 def test_by_hand():
