@@ -24,10 +24,12 @@ def reason(error: OSError) -> str:
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(path: Path, durable: bool = True) -> Iterator[Path]:
     """A temporary file beside `path`, to be written by the body; it becomes `path` when the body ends well.
 
     Whatever goes wrong, an interruption included, leaves an existing `path` untouched and no other file behind.
+
+    durable: wait for the disk, which may say only then that it is full.
 
     Raises:
         InputError: the folder is missing, nothing can be written there, or the disk is full.
@@ -37,6 +39,8 @@ def whole_file(path: Path) -> Iterator[Path]:
         raise InputError(f"{shown}: the folder {shown.parent} does not exist")
     if os.path.isdir(path):
         raise InputError(f"{shown}: is a folder; give a file's name")
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise InputError(f"{shown}: is not a regular file; give another name")
     if os.path.exists(path) and not os.access(path, os.W_OK):
         raise InputError(f"{shown}: cannot be written: permission denied")
     temporary = path.with_name(f".{path.stem[:32]}-{secrets.token_hex(4)}{path.suffix}")
@@ -44,6 +48,8 @@ def whole_file(path: Path) -> Iterator[Path]:
         # With the permissions of any new file.
         os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield temporary
+        if durable:
+            _to_disk(temporary)
         if path.exists():
             temporary.chmod(path.stat().st_mode)
         temporary.replace(path)
@@ -52,6 +58,15 @@ def whole_file(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def _to_disk(path: Path) -> None:
+    """Wait until the file is on the disk: some systems say only then that it is full."""
+    file = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(file)
+    finally:
+        os.close(file)
 
 
 def check_figure(path: str | Path, endings: tuple[str, ...] = FIGURES) -> None:

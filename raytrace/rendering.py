@@ -34,6 +34,8 @@ OUTPUTS = {"display": ("display",), "linear": ("linear",), "steps": tuple(COMPON
 
 LARGEST_SIDE = 65536
 MOST_SAMPLES = 64
+#: Seconds that a shader may be given: a day.
+LONGEST_TIME = 86400
 
 #: Pixels of a band of an image that is written while it is rendered.
 BAND = 1 << 22
@@ -106,8 +108,10 @@ class Options:
             raise InputError(f"samples: a shader is run once a pixel, found {self.samples}")
         if self.output == "steps":
             raise InputError("output: a shader gives one image, 'display' or 'linear' values, found 'steps'")
-        if not self.time_limit > 0:
-            raise InputError(f"time_limit: must be greater than 0 seconds, found {self.time_limit}")
+        if not 0 < self.time_limit <= LONGEST_TIME:
+            raise InputError(
+                f"time_limit: must be greater than 0 and at most {LONGEST_TIME} seconds, found {self.time_limit}"
+            )
 
     def foreign_shader(self) -> ForeignShader | None:
         """Return the user's own shader, read.

@@ -256,3 +256,20 @@ def test_a_terminal_sees_progress_and_a_pipe_does_not():
         assert process.stdout.read().count("\n") == 1
     assert b"rendering" in shown
     assert subprocess.run(args, capture_output=True, check=True).stderr == b""
+
+
+def test_an_output_that_is_an_input_is_refused():
+    raytrace.write_image("a.png", np.zeros((16, 16, 3)))
+    raytrace.save_scene(raytrace.load_scene("sphere"), "scene.toml")
+    before = {path: path.read_bytes() for path in Path().iterdir()}
+    for arguments in (
+        ("render", "scene.toml", "-o", "scene.toml"),
+        ("export", "scene.toml", "-o", "./scene.toml"),
+        ("compare", "a.png", "a.png", "--diff", "a.png"),
+        ("verify", "a.png", "--scene", "sphere", "--marked", "a.png"),
+        ("fit-sun", "a.png", "--plot", "a.png"),
+    ):
+        done = command(*arguments)
+        assert done.returncode == 2
+        assert "is an input, too" in done.stderr or "ending" in done.stderr
+    assert {path: path.read_bytes() for path in Path().iterdir()} == before

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import raytrace
+from raytrace.files import whole_file
 from raytrace.image import image_file, read_metadata
 
 
@@ -190,3 +191,33 @@ def test_alpha_is_left_out(name):
     file.write_image(np.array([[[128, 64, 255, 128]]], np.uint8))
     file.close()
     assert (raytrace.read_image(name) * 255).round().tolist() == [[[128, 64, 255]]]
+
+
+@pytest.fixture
+def tiny_disk(tmp_path):
+    """A disk of one page, where this process may mount one."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", folder], capture_output=True, check=False)
+    if made.returncode:
+        pytest.skip("needs the right to mount a file system")
+    yield folder
+    subprocess.run(["umount", folder], check=True)
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.exr", "a.tif"])
+def test_a_disk_that_is_full_is_noticed(tiny_disk, name):
+    with pytest.raises(raytrace.InputError, match="cannot be written"):
+        raytrace.write_image(tiny_disk / name, np.random.default_rng(0).random((40, 40, 3)))
+    assert list(tiny_disk.iterdir()) == []
+    raytrace.write_image(tiny_disk / name, np.zeros((4, 4, 3)))
+
+
+def test_only_regular_files_are_replaced(image):
+    import os
+
+    os.mkfifo("pipe.png")
+    for name in ("pipe.png", "/dev/null"):
+        with pytest.raises(raytrace.InputError, match="is not a regular file"), whole_file(Path(name)):
+            pass
+    assert not Path("/dev/null").is_file()

@@ -219,6 +219,13 @@ def read_certificate(path: str | Path) -> Certificate:
     if "certificate" not in metadata or "reason" not in planes:
         raise InputError(f"{path}: is no certificate; 'raytrace certify' makes one")
     check_specification(path, "a certificate", metadata.get("specification", "1"), "raytrace certify")
+    planes_of = [f"{layer}.{end}.{channel}" for layer in _LAYERS for end in _ENDS for channel in "RGB"]
+    missing = [name for name in ("scene", "precision", "intersection") if name not in metadata]
+    missing += [name for name in planes_of if name not in planes]
+    if missing:
+        raise InputError(f"{path}: the certificate lacks {', '.join(missing[:4])}")
+    check_choice(f"{path}: precision", metadata["precision"], PRECISIONS)
+    check_choice(f"{path}: intersection", metadata["intersection"], FORMULAS)
 
     def layer(name: str) -> tuple[np.ndarray, np.ndarray]:
         ends = (np.stack([planes[f"{name}.{end}.{channel}"] for channel in "RGB"], axis=-1) for end in _ENDS)

@@ -17,6 +17,9 @@ __all__ = ["Cluster", "Verification", "verify"]
 #: Pixels outside that are this near to each other belong together.
 _NEAR = 8
 
+#: What is said of an image of linear light that keeps the bounds only as display values.
+HOLDS_DISPLAY = "as display values it is inside at every pixel: give --display"
+
 
 class Cluster(NamedTuple):
     """Pixels outside that lie together: how many, from (x, y) to (x, y), how far outside at most, and at which step the

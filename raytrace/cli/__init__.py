@@ -23,6 +23,7 @@ from raytrace.cli.scenes import list_scenes, show
 from raytrace.cli.stress import stress
 from raytrace.errors import EngineFailure, InputError
 from raytrace.files import reason
+from raytrace.image.reading import LARGEST, largest_image
 
 __all__ = ["app", "run"]
 
@@ -55,7 +56,11 @@ app.command()(gradients)
 def _without_command(
     context: typer.Context,
     show_version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+    largest: Annotated[
+        int, typer.Option("--largest-image", min=1, help="Images of more pixels are not read.")
+    ] = LARGEST,
 ) -> None:
+    context.with_resource(largest_image(largest))
     if show_version:
         print(f"raytrace {version('raytrace')}")
     elif context.invoked_subcommand is None:
@@ -66,6 +71,9 @@ def _without_command(
 _UsageError: Any = next(base for base in typer.BadParameter.__mro__ if base.__name__ == "ClickException")
 
 
+#: Letters of a message.
+LONGEST_LINE = 290
+
 _RAN_AND_FAILED = 1
 _INTERRUPTED = 130
 
@@ -75,8 +83,10 @@ def run() -> None:
     1 where something ran and failed."""
     # As `timeout` and service managers end a process: it cleans up behind itself then too. A signal that is ignored, as
     # under `nohup`, stays ignored; so does SIGINT in a background job, which Python sees to.
-    if signal.getsignal(signal.SIGTERM) != signal.SIG_IGN:
-        signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+    for name in ("SIGTERM", "SIGHUP", "SIGQUIT"):
+        ending = getattr(signal, name, None)  # not every system has them all
+        if ending is not None and signal.getsignal(ending) != signal.SIG_IGN:
+            signal.signal(ending, lambda number, _: sys.exit(128 + number))
     wrapt.register_post_import_hook(_with_all_cores, "jax")
     try:
         code = app(standalone_mode=False)
@@ -112,5 +122,7 @@ def _with_all_cores(jax: ModuleType) -> None:
 
 def _failed(message: str, code: int = 2) -> int:
     if sys.stderr is not None:
-        print("raytrace: " + " ".join(message.split()), file=sys.stderr, flush=True)
+        line = " ".join(message.split())
+        shown = line if len(line) <= LONGEST_LINE else f"{line[: LONGEST_LINE - 4]} ..."
+        print(f"raytrace: {shown}", file=sys.stderr, flush=True)
     return code

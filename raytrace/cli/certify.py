@@ -8,7 +8,8 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from raytrace.cli.options import Changes, Scene, Size, progress, size_of, taking_options
+from raytrace.certificates.verify import HOLDS_DISPLAY
+from raytrace.cli.options import Changes, Layer, Scene, Size, check_outputs, progress, size_of, taking_options
 from raytrace.errors import InputError
 from raytrace.image.depth import Depth
 from raytrace.rendering import Options, Rendering
@@ -37,6 +38,7 @@ def certify(
 
     if out and out.suffix.lower() != ".exr":
         raise InputError(f"{out}: a certificate must be named *.exr")
+    check_outputs([out], [scene])
     width, height = shape = size_of(size)
     with progress(width * height, "bounding") as advance:
         found = certified(
@@ -57,6 +59,8 @@ def verify(
     precision: Precision = "glsl-highp",
     intersection: Formula = "either",
     linear: Annotated[bool, typer.Option("--linear", help="The file holds linear light.")] = False,
+    display: Annotated[bool, typer.Option("--display", help="The file holds display values.")] = False,
+    layer: Layer = None,
     marked: Annotated[Path | None, typer.Option(help="Also write the image with the pixels outside in red.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
@@ -66,6 +70,9 @@ def verify(
     from raytrace.certificates import verify as verified
     from raytrace.image import write_image
 
+    check_outputs([marked], [image, scene, certificate, options.shader])
+    if linear and display:
+        raise InputError("--linear and --display: give one of them")
     if (image is None) == (options.shader is None):
         raise InputError("verify: give an image, or a shader with --shader")
     if scene is not None and certificate is None:
@@ -78,7 +85,9 @@ def verify(
     else:
         raise InputError("verify: needs the image's scene (--scene), or a certificate (--certificate)")
     if image is not None:
-        values, kind, depth = _values(image, known, shape, linear)
+        values, kind, depth = _values(
+            image, known, shape, "display" if display else "linear" if linear else None, layer
+        )
     else:
         shown = Rendering(replace(options, scene=known, size=shape, backend="opengl")).whole()
         values, kind, depth = np.asarray(shown), "display", None
@@ -91,20 +100,18 @@ def verify(
         write_image(marked, found.marked())
     print(json.dumps(found.to_dict(), indent=1) if as_json else found)
     if not found.inside:
+        if kind == "linear" and not linear and verified(values, bounds, "display", depth).inside and not as_json:
+            print(HOLDS_DISPLAY)
         raise typer.Exit(1)
 
 
-def _values(image: str, scene: data.Scene, size: tuple[int, int], linear: bool) -> tuple[np.ndarray, str, Depth | None]:
-    """The values of a file or a backend, whether they are display or linear ones, and a file's depth."""
-    from raytrace.comparison.inputs import KINDS, rendering_of, usual_kind
-    from raytrace.image import read_depth, read_image, read_metadata
+def _values(
+    image: str, scene: data.Scene, size: tuple[int, int], kind: str | None, layer: str | None
+) -> tuple[np.ndarray, str, Depth | None]:
+    """The values of a file or a backend, finite or not, whether they are display or linear ones, and a file's depth."""
+    from raytrace.comparison.inputs import file_picture, rendering_of
 
     if image.startswith("backend:"):
         return np.asarray(rendering_of(image, scene, size).whole()), "display", None
-    values, depth = read_image(image), read_depth(image)
-    if isinstance(values, dict):
-        kind = "linear" if linear else "display"
-        return values[kind], kind, depth
-    stated = read_metadata(image).get("output")
-    kind = stated if stated in KINDS else usual_kind(Path(image))
-    return values, "linear" if linear else kind, depth
+    picture = file_picture(image, kind=kind, layer=layer)
+    return picture.values, picture.kind, picture.depth

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Changes, Size, size_of
+from raytrace.cli.options import Changes, Layer, Size, check_outputs, size_of
 from raytrace.comparison import BOUNDS, NotFinite, failures, matrix, write_diff
 from raytrace.comparison import compare as compare_images
 from raytrace.errors import InputError
@@ -31,6 +31,7 @@ def compare(
     ] = None,
     changes: Changes = [],  # noqa: B006 (typer's way)
     size: Size = "1920x1080",
+    layer: Layer = None,
     a_is: _Kind = None,
     b_is: _Kind = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
@@ -62,6 +63,7 @@ def compare(
         raise InputError("compare: takes two images, A and B, or --matrix")
     if changes and scene is None:
         raise InputError("--set: changes a scene; give one (--scene)")
+    check_outputs([diff], [a, b, scene])
     try:
         comparison = compare_images(
             a,
@@ -70,6 +72,7 @@ def compare(
             size=size_of(size),
             kinds=(a_is, b_is),
             diagnose=diagnose,
+            layer=layer,
         )
     except NotFinite as error:
         _fail(str(error))

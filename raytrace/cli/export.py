@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Changes, Scene, Size, size_of
+from raytrace.cli.options import Changes, Scene, Size, check_outputs, size_of
 from raytrace.errors import check_choice
 from raytrace.export import EXPORTS
 from raytrace.files import whole_file
@@ -34,6 +34,7 @@ def export(
     check_choice("--intersection", intersection, INTERSECTIONS)
     check_choice("--data", data, ("constants", "uniforms"))
     out = out or Path(f"{Path(scene).stem}{_ENDINGS[to]}")
+    check_outputs([out], [scene])
     text = EXPORTS[to](load_scene(scene, changes), size_of(size), intersection=intersection, data=data)
     with whole_file(out) as temporary:
         temporary.write_text(text, encoding="utf-8")

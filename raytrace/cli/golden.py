@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Size, progress, size_of, taking_options
+from raytrace.cli.options import Layer, Size, check_outputs, progress, size_of, taking_options
 from raytrace.errors import InputError
 from raytrace.golden import backend_source, folder_source, golden_folder, golden_scenes, write_goldens, write_report
+from raytrace.golden.manifest import MANIFEST
 from raytrace.rendering import Options
 
 __all__ = ["check", "golden"]
@@ -46,6 +47,8 @@ def check(
     images: Annotated[
         Path | None, typer.Option(help="A folder of another renderer's images to check: NAME.png, NAME.exr, ...")
     ] = None,
+    display: Annotated[bool, typer.Option("--display", help="The files hold display values.")] = False,
+    layer: Layer = None,
     min_ssim: Annotated[float | None, typer.Option(help="The mean SSIM, at least; default: 0.9999.")] = None,
     max_share: Annotated[
         float | None, typer.Option(help="The share of pixels over 1/255, at most; default: 0.001.")
@@ -59,9 +62,10 @@ def check(
         backend = "opengl"
     if (images is None) == (backend is None):
         raise InputError("check: give one of --images, --backend and --shader")
+    check_outputs([report], [shader, folder / MANIFEST])
     held = golden_folder(folder)
     if images is not None:
-        what, source = str(images), folder_source(images)
+        what, source = str(images), folder_source(images, "display" if display else None, layer)
     else:
         source = backend_source(replace(options, backend=backend))
         what = f"backend {backend} {options.dtype}" if shader is None else f"{shader} on {backend}"

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Changes, Scene, Size, progress, size_of
+from raytrace.cli.options import Changes, Layer, Scene, Size, check_outputs, progress, size_of
 from raytrace.errors import InputError, check_choice
 from raytrace.files import check_figure
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
@@ -32,6 +32,7 @@ def fit_sun(
         int | None, typer.Option(help="n for n x n samples a pixel; default: what the file says, or what explains it.")
     ] = None,
     antialias: Annotated[str | None, typer.Option(help="none, or edges; default: as for --samples.")] = None,
+    layer: Layer = None,
     starts: Annotated[int, typer.Option(help="Guesses that are followed at the most, if nearly as likely.")] = 4,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Also write the scene with that sun, TOML.")] = None,
     plot: Annotated[Path | None, typer.Option(help="Also draw the way there, an .svg or .png file.")] = None,
@@ -46,6 +47,7 @@ def fit_sun(
 
     if plot:
         check_figure(plot)
+    check_outputs([out, plot], [image, scene])
     known = scene_seen(image, scene, changes)
     try:
         with progress(steps_of(starts), "fitting") as advance:
@@ -57,6 +59,7 @@ def fit_sun(
                 starts=starts,
                 samples=samples,
                 antialias=antialias,
+                layer=layer,
                 progress=advance,
             )
     except (NotDetermined, DoesNotFit) as error:

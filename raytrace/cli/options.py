@@ -1,8 +1,9 @@
 """What several commands share: options, sizes, progress."""
 
 import inspect
+import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import wraps
 from pathlib import Path
@@ -14,11 +15,13 @@ from raytrace.errors import InputError
 from raytrace.glsl.matching import parse_uniforms
 from raytrace.rendering import Options, check_size
 
-__all__ = ["Changes", "Scene", "Size", "progress", "size_of", "taking_options"]
+__all__ = ["Changes", "Layer", "Scene", "Size", "check_outputs", "progress", "size_of", "taking_options"]
 
 Scene = Annotated[str, typer.Argument(help="A built-in scene's name (see 'raytrace scenes') or a TOML file.")]
 Size = Annotated[str, typer.Option(help="WIDTHxHEIGHT in pixels.")]
 Changes = Annotated[list[str], typer.Option("--set", help="key=value, such as sun.direction=[0,1,0]; repeatable.")]
+
+Layer = Annotated[str | None, typer.Option(help="Which layer, or part, of an EXR with several is the picture.")]
 
 #: Those of `Options` that a command line has to write otherwise: their type, their default, their flags.
 _WRITTEN: dict[str, tuple[Any, Any, tuple[str, ...]]] = {
@@ -64,6 +67,18 @@ def taking_options(*names: str, **defaults: Any) -> Callable[[Callable], Callabl
         return with_flags
 
     return decorated
+
+
+def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[str | Path | None]) -> None:
+    """Check that no file that is to be written is one that is read.
+
+    Raises:
+        InputError: one is.
+    """
+    given = [path for path in inputs if path is not None and os.path.isfile(path)]
+    for out in outputs:
+        if out is not None and out.exists() and any(os.path.samefile(out, path) for path in given):
+            raise InputError(f"{out}: is an input, too; give the output another name")
 
 
 def size_of(text: str) -> tuple[int, int]:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from raytrace.backends.jax.cluster import cluster
-from raytrace.cli.options import Changes, Scene, progress, taking_options
+from raytrace.cli.options import Changes, Scene, check_outputs, progress, taking_options
 from raytrace.errors import InputError
 from raytrace.image import file_format, image_file
 from raytrace.notebook.pixel import pixel_report
@@ -56,6 +56,7 @@ def render(
 ) -> None:
     """Render a scene to an image file."""
     out = out or Path(f"{Path(scene).stem}.png")
+    check_outputs([out], [scene, options.shader])
     together = scheduled or any(value is not None for value in (coordinator, hosts, process_id))
     if together and options.backend != "jax":
         raise InputError(f"backend {options.backend}: only jax renders on several hosts")

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from raytrace.comparison.film import film_of
+from raytrace.comparison.develop import film_of
 from raytrace.comparison.metrics import LEVEL, WINDOW, pixels_over, rmse
 from raytrace.comparison.reference import Reference
 from raytrace.comparison.wrong_films import channel_mistakes, film_mistakes

@@ -1,22 +1,32 @@
 """Two images, from wherever they come, made comparable: finite display values of one shape."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from raytrace.comparison.film import developed, film_of
+from raytrace.comparison.develop import developed, film_of
 from raytrace.errors import InputError, check_choice
-from raytrace.image import Depth, file_format, read_depth, read_image, read_metadata
+from raytrace.image import Depth, file_format, read_file
 from raytrace.image.depth import FLOAT32, array_of, depth_of_dtype, values_of
 from raytrace.image.formats import FORMATS
 from raytrace.rendering import Options, Rendering
 from raytrace.scene import Scene
 from raytrace.scene.toml import as_scene, scene_from_toml
 
-__all__ = ["KINDS", "NotFinite", "Picture", "comparable", "finite", "read_picture", "rendering_of", "usual_kind"]
+__all__ = [
+    "KINDS",
+    "NotFinite",
+    "Picture",
+    "comparable",
+    "file_picture",
+    "finite",
+    "read_picture",
+    "rendering_of",
+    "usual_kind",
+]
 
 #: What an image's values can be.
 KINDS = ("display", "linear")
@@ -49,6 +59,7 @@ def comparable(
     kinds: tuple[str | None, str | None],
     scene: Scene | str | Path | None,
     size: tuple[int, int],
+    layer: str | None = None,
 ) -> tuple[tuple[np.ndarray, np.ndarray], Depth | None, tuple[str, str], Scene | None]:
     """The display values of both in float64, the depth that they are compared in, their names, and the known scene.
 
@@ -59,7 +70,7 @@ def comparable(
     scene = None if scene is None else as_scene(scene)
     names = names or (_name(sources[0], "A"), _name(sources[1], "B"))
     found = [
-        None if _is_backend(source) else read_picture(source, name, kind, with_scene=scene is None)
+        None if _is_backend(source) else read_picture(source, name, kind, with_scene=scene is None, layer=layer)
         for source, name, kind in zip(sources, names, kinds, strict=True)
     ]
     known = scene or next((image.scene for image in found if image is not None and image.scene is not None), None)
@@ -105,29 +116,49 @@ def _rendered(text: str, name: str, scene: Scene | None, size: tuple[int, int]) 
     if scene is None:
         raise InputError(f"{name}: needs a scene to render (--scene)")
     image = np.asarray(rendering_of(text, scene, size).whole())
-    return Picture(name, _checked(image, name), "display", FLOAT32, None)
+    return Picture(name, finite(_values(image, name), name), "display", FLOAT32, None)
 
 
-def read_picture(source: Any, name: str, kind: str | None, with_scene: bool) -> Picture:
+def read_picture(source: Any, name: str, kind: str | None, with_scene: bool, layer: str | None = None) -> Picture:
     """Read a file, or take an array (height, width, 3) of floats or unsigned integers; its values become float64.
 
+    A `Picture` is one already.
+
     kind: one of `KINDS`; ``None`` for what the file says, or else what its ending usually holds. An array is "display".
-    with_scene: look for the scene, which may be wrong where another is given.
+    with_scene: look for the scene, which may be wrong where another is given. layer: which of a file's layers, or
+    parts, is meant, if it has several with red, green and blue.
 
     Raises:
         InputError: there is no such image, or its values are not finite.
     """
     if kind is not None:
         check_choice(f"{name}: kind of values", kind, KINDS)
+    if isinstance(source, Picture):
+        return replace(source, values=finite(source.values, name), kind=kind or source.kind)
     if not isinstance(source, str | Path):
-        return Picture(name, _checked(source, name), kind or "display", _depth(source), None)
-    image, metadata, depth = read_image(source), read_metadata(source), read_depth(source)
-    scene = _scene_in(metadata, name) if with_scene else None
-    if isinstance(image, dict):
-        return Picture(name, _checked(image["display"], name), "display", depth, scene, metadata)
-    stated = metadata.get("output")
-    kind = kind or (stated if stated in KINDS else usual_kind(Path(source)))
-    return Picture(name, _checked(image, name), kind, depth, scene, metadata)
+        return Picture(name, finite(_values(source, name), name), kind or "display", _depth(source), None)
+    picture = file_picture(source, name, kind, layer)
+    scene = _scene_in(picture.metadata, name) if with_scene else None
+    return replace(picture, values=finite(picture.values, name), scene=scene)
+
+
+def file_picture(
+    path: str | Path, name: str | None = None, kind: str | None = None, layer: str | None = None
+) -> Picture:
+    """Return what a file holds, finite or not; of a file of steps the "display" or the "linear" ones.
+
+    name: what it is called in messages, by default the file's own name. kind, layer: as of `read_picture`.
+
+    Raises:
+        InputError: there is no such file, it is not a whole image, or which of its layers is meant is not known.
+    """
+    found, name = read_file(path, layer), name or str(path)
+    if isinstance(found.image, dict):
+        kind = kind or "display"
+        return Picture(name, _values(found.image[kind], name), kind, found.depth, None, found.metadata)
+    stated = found.metadata.get("output")
+    kind = kind or (stated if stated in KINDS else usual_kind(Path(path)))
+    return Picture(name, _values(found.image, name), kind, found.depth, None, found.metadata)
 
 
 def usual_kind(path: Path) -> str:
@@ -153,12 +184,10 @@ def _scene_in(metadata: Mapping[str, str], name: str) -> Scene | None:
     return scene_from_toml(metadata["scene"], f"{name}: the scene in its metadata")
 
 
-def _checked(image: Any, name: str) -> np.ndarray:
+def _values(image: Any, name: str) -> np.ndarray:
     array = array_of(image, name)
     try:
-        return finite(values_of(array), name)
-    except NotFinite:
-        raise
+        return values_of(array)
     except InputError as error:
         raise InputError(str(error).replace("image:", f"{name}:", 1)) from None
 

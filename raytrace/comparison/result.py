@@ -127,6 +127,7 @@ def compare(
     names: tuple[str, str] | None = None,
     kinds: tuple[str | None, str | None] = (None, None),
     diagnose: bool = True,
+    layer: str | None = None,
 ) -> Comparison:
     """How far `b` is from `a`, the reference.
 
@@ -141,12 +142,13 @@ def compare(
     kinds: "display" or "linear" for the values of each; otherwise what a file's metadata, and without them its
         ending, says; an array is "display".
     diagnose: whether to seek the usual mistakes, and the parts of the scene, where a pixel is over 1/255.
+    layer: which layer, or part, of an OpenEXR file is meant, if it has several with red, green and blue.
 
     Raises:
         raytrace.compare.NotFinite: an image holds NaN or infinity; an InputError, too.
         InputError: an image is missing or of another size, or linear light without a scene.
     """
-    images, depth, names, known = comparable((a, b), names, kinds, scene, size)
+    images, depth, names, known = comparable((a, b), names, kinds, scene, size, layer)
     over = metrics.pixels_over(*images)
     height, width = over.shape
     search = diagnose and bool(over.any())

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.comparison.film import NEUTRAL, developed, undeveloped
+from raytrace.comparison.develop import NEUTRAL, developed, undeveloped
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS, named
 from raytrace.shader.uniforms import FilmUniforms, Program
 

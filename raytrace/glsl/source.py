@@ -11,8 +11,6 @@ from raytrace.glsl.shader import vertex_shader
 
 __all__ = ["ShaderSource", "read_shader"]
 
-_VERSION = re.compile(r"^[ \t]*#[ \t]*version[ \t]+([^\n]*?)[ \t]*$", re.MULTILINE)
-_NO_CODE = re.compile(r"//[^\n]*|/\*.*?\*/|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
 _INPUT = re.compile(
     r"(?:^|(?<=[;}]))\s*(?:layout\s*\([^)]*\)\s*)?(?:smooth\s+|flat\s+|centroid\s+)*"
     r"in\s+(?:(?:lowp|mediump|highp)\s+)?(\w+)\s+(\w+)\s*;"
@@ -30,16 +28,34 @@ class ShaderSource:
     name: str
     text: str
 
+    @cached_property
+    def code(self) -> str:
+        """The text without its comments, of which the line breaks stay."""
+        return without_comments(self.text)
+
+    @cached_property
+    def directive(self) -> tuple[int, str] | None:
+        """The number of the line with ``#version``, and what stands behind it; ``None`` where there is none."""
+        for number, line in enumerate(self.code.split("\n")):
+            words = line.replace("#", " # ", 1).split()
+            if words[:2] == ["#", "version"] and len(words) > 2:
+                return number, " ".join(words[2:])
+        return None
+
     @property
     def version(self) -> str:
         """What stands behind ``#version``; ``300 es`` where that is missing."""
-        found = _VERSION.search(self.text)
-        return found[1] if found else "300 es"
+        return "300 es" if self.directive is None else self.directive[1]
 
-    @property
+    @cached_property
     def fragment(self) -> str:
-        """The text that is compiled."""
-        return self.text if _VERSION.search(self.text) else f"{_USUAL}\n{self.text}"
+        """The text that is compiled: ``#version`` comes first, as GLSL ES wants it."""
+        if self.directive is None:
+            return f"{_USUAL}\n{self.text}"
+        number, version = self.directive
+        if "".join(self.code.split("\n")[:number]).strip():
+            return self.text  # the compiler says that something stands before it
+        return "\n".join([f"#version {version}", *self.text.split("\n")[number + 1 :]])
 
     @cached_property
     def vertex(self) -> str:
@@ -48,7 +64,8 @@ class ShaderSource:
         Raises:
             InputError: the shader asks for another input.
         """
-        inputs = _INPUT.findall(_NO_CODE.sub(" ", self.text))
+        code = "\n".join(line for line in self.code.split("\n") if not line.lstrip().startswith("#"))
+        inputs = _INPUT.findall(code)
         wrong = [f"{kind} {name}" for kind, name in inputs if kind != "vec2"]
         if wrong or len(inputs) > 1:
             found = wrong[0] if wrong else ", ".join(f"{kind} {name}" for kind, name in inputs)
@@ -69,6 +86,22 @@ class ShaderSource:
         lines = self.text.splitlines()
         shown = f": {lines[line - 1].strip()}" if 0 < line <= len(lines) else ""
         return f"{self.name}:{line}: {message}{shown}" + (f" (and {len(more)} more)" if more else "")
+
+
+def without_comments(text: str) -> str:
+    """Return GLSL with a space for each comment, in time that grows with its length; line breaks stay."""
+    parts, place = [], 0
+    while (start := text.find("/", place)) >= 0:
+        opening = text[start : start + 2]
+        if opening not in ("//", "/*"):
+            parts.append(text[place : start + 1])
+            place = start + 1
+            continue
+        end = text.find("\n", start) if opening == "//" else text.find("*/", start + 2)
+        end = len(text) if end < 0 else end if opening == "//" else end + 2
+        parts += [text[place:start], " ", "\n" * text.count("\n", start, end)]
+        place = end
+    return "".join([*parts, text[place:]])
 
 
 def read_shader(path: str | Path) -> ShaderSource:

@@ -7,8 +7,9 @@ from typing import Any
 
 from raytrace.certificates import Verification, read_certificate, verify
 from raytrace.certificates.certificate import check_specification
+from raytrace.certificates.verify import HOLDS_DISPLAY
 from raytrace.comparison import Comparison, failures
-from raytrace.comparison.inputs import read_picture
+from raytrace.comparison.inputs import Picture, read_picture
 from raytrace.errors import EngineFailure, InputError
 from raytrace.golden.golden import BOUNDS, Golden
 from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest
@@ -87,7 +88,7 @@ class GoldenFolder:
                 continue
             try:
                 image = source(golden)
-                comparison = golden.compare(image, str(image) if isinstance(image, Path) else "image")
+                comparison = golden.compare(image, image.name if isinstance(image, Picture) else "image")
             except (InputError, EngineFailure) as error:
                 yield Checked(golden.name, (str(error),))
                 continue
@@ -98,12 +99,14 @@ class GoldenFolder:
             return Checked(name, tuple(failures(comparison, {**BOUNDS, **asked})), comparison)
         # As the image is stored: the comparison has developed linear light, and rounded what is finer than the other.
         certificate = read_certificate(self.certified[name])
-        if isinstance(image, str | Path):
-            found = read_picture(image, name, None, with_scene=False)
-            verification = verify(found.values, certificate, found.kind, found.depth)
+        if isinstance(image, Picture):
+            verification = verify(image.values, certificate, image.kind, image.depth)
         else:
             verification = verify(image, certificate)
         outside = () if verification.inside else tuple(str(verification).splitlines()[:2])
+        if outside and isinstance(image, Picture) and image.kind == "linear":
+            shown = verify(image.values, certificate, "display", image.depth).inside
+            outside = (*outside, HOLDS_DISPLAY) if shown else outside
         return Checked(name, (*outside, *failures(comparison, asked)), comparison, verification)
 
 
@@ -144,8 +147,11 @@ def backend_source(options: Options) -> Source:
     return source
 
 
-def folder_source(folder: str | Path) -> Source:
-    """Finds each golden image's counterpart in a folder by the scene's name: NAME.png, NAME.exr (linear), ...
+def folder_source(folder: str | Path, kind: str | None = None, layer: str | None = None) -> Source:
+    """Return what reads each golden image's counterpart in a folder by the scene's name: NAME.png, NAME.exr, ...
+
+    kind: "display" or "linear", what the files hold; by default what each says, or what its ending usually holds.
+    layer: as of `raytrace.read_image`.
 
     Raises:
         InputError: there is no such folder.
@@ -154,12 +160,15 @@ def folder_source(folder: str | Path) -> Source:
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder")
 
-    def source(golden: Golden) -> Path:
-        endings = (DISPLAY, *FORMATS)
+    endings = tuple(dict.fromkeys((DISPLAY, *FORMATS)))
+    # Some systems write endings in capitals.
+    files = {(path.stem, path.suffix.lower()): path for path in sorted(folder.iterdir()) if path.is_file()}
+
+    def source(golden: Golden) -> Picture:
         for ending in endings:
-            path = folder / f"{golden.name}{ending}"
-            if path.exists():
-                return path
+            path = files.get((golden.name, ending))
+            if path is not None:
+                return read_picture(path, str(path), kind, with_scene=False, layer=layer)
         raise InputError(f"{folder}: missing: {golden.name} with one of {', '.join(endings)}")
 
     return source

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from raytrace.errors import InputError
 from raytrace.files import reason
+from raytrace.image.reading import check_pixels
 
 __all__ = ["MANIFEST", "Entry", "Manifest", "file_hash", "read_manifest"]
 
@@ -53,7 +54,7 @@ def read_manifest(folder: Path) -> Manifest:
     """
     path = folder / MANIFEST
     try:
-        return Manifest.model_validate_json(path.read_bytes())
+        manifest = Manifest.model_validate_json(path.read_bytes())
     except FileNotFoundError:
         raise InputError(f"{folder}: holds no golden images (no {MANIFEST}); 'raytrace golden' makes them") from None
     except OSError as error:
@@ -62,6 +63,10 @@ def read_manifest(folder: Path) -> Manifest:
         first = error.errors(include_url=False)[0]
         place = ".".join(map(str, first["loc"]))
         raise InputError(f"{path}: broken{f' at {place}' if place else ''}: {first['msg']}") from None
+    if min(manifest.size) < 1:
+        raise InputError(f"{path}: size: must be (width, height) of at least 1 pixel, found {manifest.size}")
+    check_pixels(f"{path}: size", *manifest.size)
+    return manifest
 
 
 def file_hash(path: Path) -> str:

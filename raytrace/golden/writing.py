@@ -53,7 +53,11 @@ def write_goldens(
                 about=scenes().get(name, ""),
                 toml=scene_toml(scene),
                 sha256=scene_hash(scene),
-                files={path.name: file_hash(path) for path in sorted(temporary.glob(f"{name}.*"))},
+                files={
+                    path.name: file_hash(path)
+                    for path in sorted(temporary.iterdir())
+                    if path.name.startswith(f"{name}.")
+                },
                 proven=proven,
             )
             yield name
@@ -111,11 +115,19 @@ def _check_replaceable(shown: Path, folder: Path) -> None:
         raise InputError(f"{shown}: the folder {shown.parent} does not exist")
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{shown}: is not a folder")
+    if folder.is_dir() and Path.cwd().is_relative_to(folder):
+        raise InputError(f"{shown}: is the current folder, or above it; give the name of another one")
     if not folder.is_dir() or not any(folder.iterdir()):
         return
-    ours = {MANIFEST}
-    if (folder / MANIFEST).exists():
-        ours |= {file for entry in read_manifest(folder).scenes.values() for file in entry.files}
-    other = sorted(path.name for path in folder.iterdir() if path.name not in ours)
+    ours: dict[str, str] = {}
+    if (folder / MANIFEST).is_file():
+        for entry in read_manifest(folder).scenes.values():
+            ours |= entry.files
+    # A manifest can name anything: only what is as we wrote it is replaced.
+    other = sorted(path.name for path in folder.iterdir() if path.name != MANIFEST and not _as_written(path, ours))
     if other:
         raise InputError(f"{shown}: holds {other[0]}, which is no golden image; give a new or an empty folder")
+
+
+def _as_written(path: Path, ours: Mapping[str, str]) -> bool:
+    return path.is_file() and not path.is_symlink() and ours.get(path.name) == file_hash(path)

@@ -62,9 +62,21 @@ def attributes(path: Path, output: str, metadata: Mapping[str, str]) -> dict[str
     return found | {_PREFIX + name: text for name, text in metadata.items()}
 
 
-def metadata_of(attributes: Mapping[str, Any]) -> dict[str, str]:
-    """The metadata among the attributes of a file."""
+def metadata_of(attributes: Mapping[str, Any], path: Path) -> dict[str, str]:
+    """Return the metadata among the attributes of the file `path`.
+
+    Raises:
+        InputError: it is damaged.
+    """
     description = str(attributes.get(_DESCRIPTION, ""))
-    if description.startswith(_PREFIX):
-        return json.loads(description.removeprefix(_PREFIX))
-    return {name.removeprefix(_PREFIX): str(value) for name, value in attributes.items() if name.startswith(_PREFIX)}
+    if not description.startswith(_PREFIX):
+        return {
+            name.removeprefix(_PREFIX): str(value) for name, value in attributes.items() if name.startswith(_PREFIX)
+        }
+    try:
+        found = json.loads(description.removeprefix(_PREFIX))
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict) or not all(isinstance(value, str) for value in found.values()):
+        raise InputError(f"{path}: its metadata (ImageDescription) is damaged: must be a JSON object of texts")
+    return found

@@ -1,5 +1,6 @@
 """Images into files, at once or from the top down while they are rendered."""
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +17,10 @@ from raytrace.image.steps import STEP_CHANNELS, step_channels
 from raytrace.shader.main import COMPONENTS
 
 __all__ = ["ImageFile", "image_file", "write_image", "write_planes"]
+
+
+#: The last chunk of a PNG, with its length and checksum.
+PNG_END = b"\0\0\0\0IEND\xaeB`\x82"
 
 
 class ImageFile:
@@ -93,6 +98,24 @@ def image_file(
         complaint = complaint_of(file)
         if not closed or complaint or writer.rows != size[1]:
             raise InputError(f"{path}: cannot be written: {complaint or 'it is incomplete'}")
+        if not _is_whole(temporary, size[1]):
+            raise InputError(f"{path}: cannot be written: not all of it is on the disk, which may be full")
+
+
+def _is_whole(path: Path, height: int) -> bool:
+    """Whether the end of a file is on the disk: not every library notices that one is full."""
+    import OpenImageIO as oiio
+
+    if path.suffix.lower() == ".png":
+        with path.open("rb") as file:
+            file.seek(-min(len(PNG_END), path.stat().st_size), os.SEEK_END)
+            return file.read() == PNG_END
+    with quiet():
+        file = oiio.ImageInput.open(str(path))
+        row = None if file is None else file.read_scanline(height - 1, 0, oiio.FLOAT)
+        if file is not None:
+            file.close()
+    return row is not None
 
 
 def write_image(

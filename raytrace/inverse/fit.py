@@ -90,6 +90,7 @@ def fit_sun(
     starts: int = 4,
     samples: int | None = None,
     antialias: str | None = None,
+    layer: str | None = None,
     progress: Callable[[int], Any] | None = None,
 ) -> SunFit:
     """Find the direction of the sun in a picture of `scene`, whose own sun does not matter but for its colour.
@@ -103,6 +104,7 @@ def fit_sun(
     samples, antialias: how the picture's pixels were made, as for `raytrace.render`; by default what the file says. For
     a picture that does not say it, one sample a pixel is tried at first; where that does not fit, 2 x 2, 4 x 4 and
     means.
+    layer: which layer, or part, of an OpenEXR file is meant, if it has several with red, green and blue.
     progress: called with 1 after each step; there are about `steps_of(starts)`.
 
     Raises:
@@ -110,7 +112,7 @@ def fit_sun(
         NotDetermined: very different suns explain the picture equally well.
         DoesNotFit: no sun explains the picture.
     """
-    target = target_of(image, scene, kind)
+    target = target_of(image, scene, kind, layer)
     check_scene(target.scene)
     if not isinstance(starts, int) or not 1 <= starts <= KEPT:
         raise InputError(f"starts: must be a whole number from 1 to {KEPT}, found {starts!r}")

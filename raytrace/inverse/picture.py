@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.comparison.film import developed, film_of
+from raytrace.comparison.develop import developed, film_of
 from raytrace.comparison.inputs import finite, read_picture
 from raytrace.errors import InputError
 from raytrace.image import read_metadata
@@ -42,7 +42,9 @@ class Target:
     scene: Scene
 
 
-def target_of(image: Any, scene: Scene | str | Path | None, kind: str | None = None) -> Target:
+def target_of(
+    image: Any, scene: Scene | str | Path | None, kind: str | None = None, layer: str | None = None
+) -> Target:
     """Return the picture in a file or an array; the arguments are those of `raytrace.fit_sun`.
 
     Raises:
@@ -54,7 +56,7 @@ def target_of(image: Any, scene: Scene | str | Path | None, kind: str | None = N
         scene = scene_seen(Path(image), None)
     scene = as_scene(DEFAULT_SCENE if scene is None else scene)
     source, levels = (image, None) if is_file else _floats(image)
-    picture = read_picture(source, name, kind, with_scene=False)
+    picture = read_picture(source, name, kind, with_scene=False, layer=layer)
     if min(picture.values.shape[:2]) < SMALLEST:
         height, width = picture.values.shape[:2]
         raise InputError(f"{name}: must have {SMALLEST} x {SMALLEST} pixels at least, found {width} x {height}")

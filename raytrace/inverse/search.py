@@ -14,7 +14,7 @@ __all__ = ["EXPOSURES", "Guess", "evenly", "search", "sky_candidates"]
 #: Directions over the whole sphere, about 5.5 degrees apart.
 DIRECTIONS = 1280
 #: Exposures that are tried, in stops, where that is unknown too.
-EXPOSURES = tuple(np.arange(-4.0, 4.5, 0.5))
+EXPOSURES = tuple(np.arange(-4.0, 5.0, 1.0))
 #: So many guesses are followed, to steps of so many degrees, with noise that is taken to be so large at each.
 KEPT = 8
 STEPS = ((3.0, 0.15), (1.5, 0.1), (0.75, 0.07), (0.4, 0.05))

@@ -1,6 +1,7 @@
 """Programs on disk and in memory: no more of either than is promised."""
 
 import gc
+import os
 from pathlib import Path
 
 import pytest
@@ -51,3 +52,30 @@ def test_a_program_that_is_not_held_is_freed():
     gc.collect()
     assert without < with_one - 30
     assert mappings() < without + 30
+
+
+def test_a_program_with_a_flipped_bit_is_removed_and_made_anew(tmp_path, monkeypatch):
+    """Such a program could crash the process at every later run."""
+    monkeypatch.setenv("RAYTRACE_CACHE", str(tmp_path))
+    tmp_path.chmod(0o700)
+    expected = raytrace.render("skybox", (10, 4))
+    (path,) = tmp_path.glob("*.program")
+    whole = path.read_bytes()
+    for place in (0, len(whole) // 2, len(whole) - 1):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+        renderer._compiled.cache_clear()
+        assert (raytrace.render("skybox", (10, 4)) == expected).all()
+        assert stored._whole(path)  # a whole one took its place
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="needs POSIX's owners and modes")
+@pytest.mark.parametrize("mode", [0o777, 0o770, 0o702])
+def test_a_folder_that_others_may_write_to_is_not_used(tmp_path, monkeypatch, mode):
+    """A program is code, and loading it unpickles."""
+    folder = tmp_path / "programs"
+    folder.mkdir()
+    folder.chmod(mode)
+    monkeypatch.setenv("RAYTRACE_CACHE", str(folder))
+    raytrace.render("skybox", (11, 4))
+    renderer._compiled.cache_clear()
+    assert list(folder.iterdir()) == []

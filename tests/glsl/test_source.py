@@ -1,57 +1,69 @@
+"""The text of a user's shader: its version, its comments, in time that grows with its length."""
+
+import time
+
 import pytest
 
-from raytrace.errors import InputError
-from raytrace.glsl.source import ShaderSource, read_shader
+from raytrace.glsl.source import ShaderSource, without_comments
 
-
-def source(text):
-    return ShaderSource("a.frag", text)
+BODY = "precision highp float;\nin vec2 uv;\nout vec4 color;\nvoid main(){ color = vec4(uv, 0., 1.); }\n"
 
 
 @pytest.mark.parametrize(
-    ("log", "told"),
+    ("head", "version"),
     [
-        ("0:2(5): error: `foo' undeclared\n0:3(1): error: more", "a.frag:2: `foo' undeclared: second (and 1 more)"),
-        ("ERROR: 0:3: 'foo' : undeclared identifier\n", "a.frag:3: 'foo' : undeclared identifier: third"),
-        ('0(1) : error C1503: undefined variable "foo"', 'a.frag:1: undefined variable "foo": #version 300 es'),
-        ("GLSL Linker failed\n\nno main", "a.frag: GLSL Linker failed no main"),
-        ("0:99(1): error: unexpected end of file", "a.frag:99: unexpected end of file"),
+        ("#version 300 es\n", "300 es"),
+        ("#version 300 es // the browser's\n", "300 es"),
+        ("#version  300   es\n", "300 es"),
+        ("\n\n#version 300 es\n", "300 es"),
+        ("/* mine\n*/ # version 450\n", "450"),
+        ("// #version 450\n#version 300 es\n", "300 es"),
+        ("/* #version 450 */\n", "300 es"),
+        ("", "300 es"),
     ],
 )
-def test_a_compilers_log_in_one_line(log, told):
-    assert source("#version 300 es\nsecond\n  third\n").explained(log) == told
+def test_the_version_is_found_and_comes_first(head, version):
+    source = ShaderSource("a.frag", head + BODY)
+    assert source.version == version
+    assert source.fragment.startswith(f"#version {version}\n")
+    assert source.fragment.endswith(BODY)
+    assert without_comments(source.fragment).count("version") == 1
+    assert "in vec2 position" in source.vertex or "uv" in source.vertex
 
 
-def test_a_missing_version_moves_no_line():
-    unversioned = source("first\nsecond")
-    assert unversioned.version == "300 es"
-    assert unversioned.fragment == "#version 300 es\nfirst\nsecond"
-    assert unversioned.explained("0:3(1): error: wrong") == "a.frag:2: wrong: second"
+def test_the_students_line_is_that_of_the_file():
+    """Lines before the directive are left out of what is compiled, and counted in what is said."""
+    source = ShaderSource("a.frag", "\n// mine\n#version 300 es\nint x = 1.;\n")
+    assert source.explained("0:2(9): error: no") == "a.frag:4: no: int x = 1.;"
+
+
+def test_what_stands_before_the_directive_is_the_compilers_to_refuse():
+    text = "int x;\n#version 300 es\n"
+    assert ShaderSource("a.frag", text).fragment == text
 
 
 @pytest.mark.parametrize(
-    ("text", "name"),
+    ("text", "code"),
     [
-        ("in vec2 uv;", "uv"),
-        ("// in vec3 no;\n/* in vec2 no; */ in highp vec2 uv;", "uv"),
-        ("precision highp float; in vec2 uv; void f(in vec3 x){}", "uv"),
-        ("layout(location = 0) in vec2 uv;", "uv"),
-        ("void main(){}", "fragmentTextureCoordinates"),
+        ("a // b\nc", "a  \nc"),
+        ("a /* b\n\n*/ c", "a  \n\n c"),
+        ("a / b /* c", "a / b  "),
+        ("a //", "a  "),
+        ("// /* \n b */", " \n b */"),
     ],
 )
-def test_the_vertex_shader_gives_what_is_asked_for(text, name):
-    assert f"out vec2 {name};" in source(f"#version 300 es\n{text}").vertex
-    assert source(f"#version 330\n{text}").vertex.startswith("#version 330\n")
+def test_comments_leave_their_line_breaks(text, code):
+    assert without_comments(text) == code
 
 
-@pytest.mark.parametrize("text", ["in vec3 position;", "in vec2 a;\nin vec2 b;"])
-def test_another_input_is_refused(text):
-    with pytest.raises(InputError, match=r"^a\.frag: input 'vec"):
-        _ = source(text).vertex
-
-
-def test_what_cannot_be_read(tmp_path):
-    (tmp_path / "binary.frag").write_bytes(b"\xff\xfe\x00")
-    for path, told in [("nowhere.frag", "no such file"), ("binary.frag", "not a text in UTF-8"), (".", "is a dir")]:
-        with pytest.raises(InputError, match=told):
-            read_shader(tmp_path / path)
+@pytest.mark.parametrize(
+    "text",
+    ["#version a" + " \t" * 12_000 + "x", "/*" * 50_000, "/" * 100_000, "\n#" * 50_000, "#version" * 20_000],
+    ids=lambda text: text[:9],
+)
+def test_no_text_takes_long(text):
+    """A square of the length would be minutes, its multiples milliseconds."""
+    source, begun = ShaderSource("a.frag", text), time.process_time()
+    assert source.version
+    assert source.fragment
+    assert time.process_time() - begun < 2

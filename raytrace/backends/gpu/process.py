@@ -4,6 +4,7 @@ A crash of a driver or an endless loop of a shader ends that process and nothing
 """
 
 import atexit
+import json
 import os
 import pickle
 import signal
@@ -18,13 +19,15 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.backends.gpu.drawing import ActiveUniform, Drawing, ShaderProgram, Unavailable
+from raytrace.backends.gpu.drawing import ActiveUniform, Drawing, ShaderProgram, ShaderRejected, Unavailable
 from raytrace.errors import EngineFailure, InputError
 
 __all__ = ["TIME_LIMIT", "EngineProcess", "engine_process"]
 
 #: Seconds that one drawing may take.
 TIME_LIMIT = 300.0
+#: The most bytes of an answer: names of uniforms, or a compiler's log.
+LONGEST_ANSWER = 1 << 24
 
 #: Where large files are memory, if there is such a place.
 _MEMORY = "/dev/shm" if os.path.isdir("/dev/shm") else None
@@ -44,7 +47,7 @@ class EngineProcess:
 
     def active_uniforms(self, program: ShaderProgram, limit: float = TIME_LIMIT) -> list[ActiveUniform]:
         """Compiles the program; the uniforms that it uses."""
-        return self._ask("active_uniforms", (program,), limit)
+        return [ActiveUniform(**uniform) for uniform in self._ask("active_uniforms", (program,), limit)]
 
     def draw(self, drawing: Drawing, limit: float = TIME_LIMIT) -> np.ndarray:
         """The drawing's passes: float32 (pass, row from the top down, column, RGBA)."""
@@ -85,8 +88,8 @@ class EngineProcess:
             try:
                 pickle.dump((method, arguments), process.stdin)
                 process.stdin.flush()
-                well, answer = pickle.load(process.stdout)
-            except (EOFError, OSError, ValueError, pickle.UnpicklingError):
+                answer = json.loads(process.stdout.readline(LONGEST_ANSWER))
+            except (OSError, ValueError):
                 timer.cancel()
                 code = process.wait()
                 self.stop()
@@ -96,16 +99,17 @@ class EngineProcess:
                 self.stop()  # the answer to this must not be taken for the next one's
                 raise
             timer.cancel()
-        if well:
-            return answer
-        if isinstance(answer, Unavailable):
-            raise InputError(f"backend {self.name}: {answer}")
-        raise answer
+        if "value" in answer:
+            return answer["value"]
+        if answer["refusal"] == Unavailable.__name__:
+            raise InputError(f"backend {self.name}: {answer['message']}")
+        raise ShaderRejected(answer["message"])
 
     def _running(self) -> subprocess.Popen:
         if self._process is None or self._process.poll() is not None:
+            # -P: the current folder, where a user's files are, is no place to import modules from.
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "raytrace.backends.gpu.worker", self.name],
+                [sys.executable, "-P", "-m", "raytrace.backends.gpu.worker", self.name],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,

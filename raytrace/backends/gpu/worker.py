@@ -1,13 +1,16 @@
 """The process that an engine lives in: ``python -m raytrace.backends.gpu.worker ENGINE``.
 
-It reads requests, pickled (method, arguments), from standard input, and answers on standard output with
-(True, result) or (False, exception), until the input ends. An image is written to a file that the asker maps.
+It reads requests, pickled (method, arguments), from standard input, and answers each with a line of JSON on standard
+output, {"value": ...} or {"refusal": its kind, "message": ...}, until the input ends. So what this process sends, which
+runs foreign code, is data. An image is written to a file that the asker maps.
 """
 
+import json
 import os
 import pickle
 import signal
 import sys
+from dataclasses import asdict
 from importlib import import_module
 from typing import Any
 
@@ -26,7 +29,7 @@ def main(name: str) -> None:
     # Ctrl-C is for the process that asks, which ends this one.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # Whatever a driver prints must not come between the answers.
-    answers = os.fdopen(os.dup(1), "wb")
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     engine = None
     while True:
@@ -38,18 +41,19 @@ def main(name: str) -> None:
             if engine is None:
                 module, kind = ENGINES[name]
                 engine = getattr(import_module(module), kind)()
-            answer = True, _answer(engine, method, arguments)
+            answer = {"value": _answer(engine, method, arguments)}
         except (ShaderRejected, Unavailable) as refusal:
-            answer = False, refusal
-        pickle.dump(answer, answers)
-        answers.flush()
+            answer = {"refusal": type(refusal).__name__, "message": str(refusal)}
+        print(json.dumps(answer), file=answers, flush=True)
     if engine is not None:
         engine.close()
 
 
 def _answer(engine: Any, method: str, arguments: tuple) -> Any:
-    if method != "draw":
-        return getattr(engine, method)(*arguments)
+    if method == "about":
+        return engine.about()
+    if method == "active_uniforms":
+        return [asdict(uniform) for uniform in engine.active_uniforms(*arguments)]
     drawing, path = arguments
     image = np.memmap(path, np.float32, "r+", shape=drawing.shape)
     engine.draw(drawing, image)

@@ -14,7 +14,7 @@ from jax import lax
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from raytrace.backends.jax.devices import fetched, hint_at_cores, mesh, one_device, x64_mode
-from raytrace.backends.jax.draw import draw, engine_of, tiles_of
+from raytrace.backends.jax.draw import draw, engine_of
 from raytrace.backends.jax.forward import by_forward_mode
 from raytrace.backends.jax.packing import Layout, pack
 from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, culling
@@ -147,11 +147,20 @@ class Renderer:
         device = self.devices.devices.flat[0]
         return {"renderer": f"JAX {jax.__version__} on {getattr(device, 'device_kind', device)}"}
 
+    def prepare(self) -> None:
+        """Prepare the scene, unless it was the last one that was prepared, and wait for it. `draw` does so too."""
+        with self._outside():
+            jax.block_until_ready(self._prepared())
+
+    def executable(self, count: int) -> Any:
+        """Return the compiled program for `count` rows at a time (`jax.stages.Compiled`), which `draw` runs."""
+        with self._outside():
+            return self._program(count, self._prepared())
+
     def compile(self, count: int) -> None:
-        """Compiles the program for `count` rows at a time, which `draw` does otherwise."""
+        """Compile the program for `count` rows at a time, which `draw` does otherwise."""
         if not self.traced:
-            with self._outside():
-                self._program(count, self._prepared())
+            self.executable(count)
 
     def draw(self, first: int, count: int) -> dict[str, Any]:
         row, mode = np.int32(first), np.int32(self.mode)
@@ -168,19 +177,6 @@ class Renderer:
             # Spread over several processes it would be of no use to any of them.
             whole = self.borrows_x64 or jax.process_count() > 1
             return jax.tree.map(fetched, images) if whole else images
-
-    def prepare_anew(self) -> None:
-        """Prepares the scene as if another had been rendered before, and waits for it."""
-        _kept.cache_clear()
-        with self._outside():
-            jax.block_until_ready(self._prepared())
-
-    def cost(self, count: int) -> tuple[dict[str, float], int]:
-        """XLA's count of the operations and bytes of one tile, and how many tiles all devices draw for `count` rows."""
-        columns = -(-self.job.frame.width // self.devices.size)
-        tiles = tiles_of(self.job, count, columns)
-        with self._outside():
-            return self._program(count, self._prepared()).cost_analysis(), tiles.down * tiles.across * self.devices.size
 
     def _prepared(self) -> tuple[jax.Array, Culling | None]:
         """The uniforms, and with many spheres what is prepared of them, on all devices."""

@@ -11,6 +11,7 @@ import hashlib
 import os
 import pickle
 import platform
+import stat
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
@@ -27,6 +28,9 @@ from raytrace.files import whole_file
 from raytrace.shader.uniforms import Program
 
 __all__ = ["choices_as_text", "not_stored", "stored"]
+
+#: Bytes of the SHA-256 that a file begins with, of all the others in it.
+DIGEST = hashlib.sha256().digest_size
 
 #: The most bytes of programs that are kept; those that were not used for longest go first. One takes 1 to 20 MB.
 MOST = 1 << 29
@@ -68,18 +72,48 @@ def stored(name: str | None, devices: Sequence[Any], compiled: Callable[[], Any]
         return compiled()
     digest = hashlib.sha256("\n".join([_here(), name]).encode()).hexdigest()
     path = place / f"{digest[:40]}.program"
+    with suppress(OSError):  # a read-only disk
+        place.mkdir(parents=True, exist_ok=True, mode=0o700)
+    if not _trusted(place):
+        return compiled()
     with suppress(Exception):  # no such file, or one that does not load
-        program = serialize_executable.deserialize_and_load(*pickle.loads(path.read_bytes()), execution_devices=devices)
+        content = _whole(path)
+        program = serialize_executable.deserialize_and_load(*pickle.loads(content), execution_devices=devices)
         os.utime(path)
         return program
     program = compiled()
-    with suppress(Exception):  # a full or read-only disk, or a program that cannot be stored
-        place.mkdir(parents=True, exist_ok=True, mode=0o700)
+    with suppress(Exception):  # a full disk, or a program that cannot be stored
         content = pickle.dumps(serialize_executable.serialize(program))
-        with suppress(InputError), whole_file(path) as temporary:
-            temporary.write_bytes(content)
+        with suppress(InputError), whole_file(path, durable=False) as temporary:
+            temporary.write_bytes(hashlib.sha256(content).digest() + content)
         _prune(place)
     return program
+
+
+def _trusted(place: Path) -> bool:
+    """Whether nobody else can have written into the folder: a program is code, and loading it unpickles."""
+    try:
+        about = place.stat()
+    except OSError:
+        return False
+    if not hasattr(os, "getuid"):
+        return True
+    return about.st_uid == os.getuid() and not about.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def _whole(path: Path) -> bytes:
+    """The content of a file of the folder; a damaged one is removed, as its program could crash the process.
+
+    Raises:
+        OSError: there is no such file.
+        ValueError: it is damaged, or somebody else's.
+    """
+    file = path.read_bytes()
+    digest, content = file[:DIGEST], file[DIGEST:]
+    if hashlib.sha256(content).digest() != digest or not _trusted(path):
+        path.unlink()
+        raise ValueError(path)
+    return content
 
 
 def choices_as_text(program: Program) -> str | None:

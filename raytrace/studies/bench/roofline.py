@@ -31,8 +31,7 @@ class Roofline(NamedTuple):
 def roofline(scene: Scene | str, size: tuple[int, int], runs: int) -> Roofline:
     """Of the scene in JAX float32, without skipping: then what is counted is what is computed."""
     rendering = Rendering(Options(scene, size, skip=False))
-    renderer: Any = rendering.renderer
-    cost, tiles = renderer.cost(size[1])
+    cost, tiles = cost_of_a_tile(rendering)
     operations, moved = tiles * cost.get("flops", 0.0), tiles * cost.get("bytes accessed", 0.0)
     fused, copied = _peaks()
     timings = in_turn({"frame": rendering.whole, "fused": fused[0], "copied": copied[0]}, runs)
@@ -41,6 +40,17 @@ def roofline(scene: Scene | str, size: tuple[int, int], runs: int) -> Roofline:
     milliseconds = timings["frame"].median
     at_least = 1e3 * operations / peak_operations
     return Roofline(operations, moved, peak_operations, peak_bytes, milliseconds, at_least, at_least / milliseconds)
+
+
+def cost_of_a_tile(rendering: Rendering) -> tuple[dict[str, float], int]:
+    """Return XLA's count of the operations and bytes of one tile of JAX's, and how many tiles all devices draw."""
+    from raytrace.backends.jax.draw import tiles_of
+
+    renderer: Any = rendering.renderer
+    width, height, _ = rendering.frame
+    devices = renderer.devices.size
+    tiles = tiles_of(renderer.job, height, -(-width // devices))
+    return renderer.executable(height).cost_analysis(), tiles.down * tiles.across * devices
 
 
 def _peaks() -> tuple:

@@ -7,8 +7,9 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from raytrace.cores import cores
 from raytrace.errors import EngineFailure, InputError
@@ -51,12 +52,14 @@ def by_spheres(size: tuple[int, int], runs: int) -> Iterator[Point]:
 
 
 def preparation(scene: Scene, size: tuple[int, int], runs: int = 3) -> float:
-    """Median milliseconds of preparing a scene that was not the last one; compiled before."""
-    renderer: Any = Rendering(Options(scene, size)).renderer
+    """Return the median milliseconds of preparing a scene that was not the last one; compiled before."""
+    other = replace(scene, sun=replace(scene.sun, direction=scene.sun.direction[::-1]))
+    mine, others = (cast(Any, Rendering(Options(one, size)).renderer) for one in (scene, other))
     times = []
     for _ in range(runs + 1):
+        others.prepare()
         start = time.perf_counter()
-        renderer.prepare_anew()
+        mine.prepare()
         times.append(1e3 * (time.perf_counter() - start))
     return sorted(times[1:])[runs // 2]
 
@@ -83,7 +86,7 @@ def by_devices(size: tuple[int, int], runs: int) -> Iterator[Point]:
         "print(json.dumps(timing))"
     )
     for n in sorted({2**k for k in range(8) if 2**k <= 2 * cores()} | {cores()}):
-        command = [sys.executable, "-c", code, *map(str, (n, *size, runs))]
+        command = [sys.executable, "-P", "-c", code, *map(str, (n, *size, runs))]
         ended = subprocess.run(command, capture_output=True, text=True, env=os.environ)
         if ended.returncode:
             raise EngineFailure(f"{n} devices: {ended.stderr.strip().splitlines()[-1]}")

@@ -10,7 +10,7 @@ from raytrace.shader.sphere import closest_approach, robust_roots, sphere_inters
 from raytrace.shader.uniforms import Sphere
 from raytrace.studies.stress import QUICK, stress, verdicts
 from raytrace.studies.stress.arithmetics import of_floats
-from raytrace.studies.stress.bounds import ROBUST
+from raytrace.studies.stress.limits import ROBUST
 from raytrace.studies.stress.rays import Rays, answered, given
 from raytrace.studies.stress.search import climb, random_rays, rows_of
 

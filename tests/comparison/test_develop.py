@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.comparison.film import NEUTRAL, developed, film_of, undeveloped
+from raytrace.comparison.develop import NEUTRAL, developed, film_of, undeveloped
 
 
 def scene(**settings):
