@@ -2,6 +2,7 @@
 
 import os
 import secrets
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -12,7 +13,7 @@ from raytrace.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_figure", "reason", "save_figure", "whole_file"]
+__all__ = ["check_figure", "parsed_toml", "read_text", "reason", "save_figure", "whole_file"]
 
 #: What a figure's file can be called.
 FIGURES = (".svg", ".png")
@@ -21,6 +22,39 @@ FIGURES = (".svg", ".png")
 def reason(error: OSError) -> str:
     """What the system said, in lower case: "permission denied"."""
     return (error.strerror or str(error)).lower()
+
+
+def read_text(path: str | Path, what: str) -> str:
+    """Return the text of a regular file; what: it should hold, for the message, such as "TOML".
+
+    Raises:
+        FileNotFoundError: there is none.
+        InputError: it is no regular file, such as a pipe, which may never end; it cannot be read, or is not UTF-8.
+    """
+    if "\0" in str(path):
+        raise FileNotFoundError(path)
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise InputError(f"{path}: cannot be read: is not a regular file")
+    try:
+        return Path(path).read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not {what}: not a text in UTF-8") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {reason(error)}") from None
+
+
+def parsed_toml(text: str) -> dict:
+    """Return the document that a TOML text is.
+
+    Raises:
+        ValueError: it is none, it nests too deeply, or one of its numbers has too many digits; in one line.
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
 
 
 @contextmanager

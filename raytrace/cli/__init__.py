@@ -1,5 +1,6 @@
 """The command line: parse, call, print. A file for each group of commands."""
 
+import io
 import os
 import signal
 import sys
@@ -87,6 +88,8 @@ def run() -> None:
         ending = getattr(signal, name, None)  # not every system has them all
         if ending is not None and signal.getsignal(ending) != signal.SIG_IGN:
             signal.signal(ending, lambda number, _: sys.exit(128 + number))
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # a file's name need not be UTF-8
     wrapt.register_post_import_hook(_with_all_cores, "jax")
     try:
         code = app(standalone_mode=False)

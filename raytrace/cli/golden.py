@@ -9,6 +9,7 @@ import typer
 
 from raytrace.cli.options import Layer, Size, check_outputs, progress, size_of, taking_options
 from raytrace.errors import InputError
+from raytrace.glsl.source import read_shader
 from raytrace.golden import backend_source, folder_source, golden_folder, golden_scenes, write_goldens, write_report
 from raytrace.golden.manifest import MANIFEST
 from raytrace.rendering import Options
@@ -67,6 +68,8 @@ def check(
     if images is not None:
         what, source = str(images), folder_source(images, "display" if display else None, layer)
     else:
+        if shader is not None:
+            read_shader(shader)  # else every golden image would say that it cannot be
         source = backend_source(replace(options, backend=backend))
         what = f"backend {backend} {options.dtype}" if shader is None else f"{shader} on {backend}"
     results = []

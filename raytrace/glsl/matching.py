@@ -1,13 +1,13 @@
 """The values of the uniforms that somebody's own shader uses, found by their names."""
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 
 from raytrace.errors import InputError, did_you_mean, unknown
+from raytrace.files import parsed_toml
 from raytrace.glsl.declarations import sphere_texture
 from raytrace.glsl.meanings import MEANINGS, meaning_of, meanings
 from raytrace.glsl.values import flat_values
@@ -76,8 +76,8 @@ def parse_uniforms(settings: Iterable[str]) -> dict[str, Any]:
         if not (name and equals and text):
             raise InputError(f"--uniform {setting}: must be name=camera_position, name=1.5 or name=[1,2,3]")
         try:
-            parsed[name] = tomllib.loads(f"value = {text}")["value"]
-        except tomllib.TOMLDecodeError:
+            parsed[name] = parsed_toml(f"value = {text}")["value"]
+        except ValueError:
             parsed[name] = text
     return parsed
 

@@ -6,7 +6,7 @@ from functools import cached_property
 from pathlib import Path
 
 from raytrace.errors import InputError
-from raytrace.files import reason
+from raytrace.files import read_text
 from raytrace.glsl.shader import vertex_shader
 
 __all__ = ["ShaderSource", "read_shader"]
@@ -111,9 +111,6 @@ def read_shader(path: str | Path) -> ShaderSource:
         InputError: the file cannot be read, or is no text.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a shader: not a text in UTF-8") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {reason(error)}") from None
-    return ShaderSource(str(path), text)
+        return ShaderSource(str(path), read_text(path, "a shader"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file") from None

@@ -11,7 +11,7 @@ from raytrace.certificates.verify import HOLDS_DISPLAY
 from raytrace.comparison import Comparison, failures
 from raytrace.comparison.inputs import Picture, read_picture
 from raytrace.errors import EngineFailure, InputError
-from raytrace.golden.golden import BOUNDS, Golden
+from raytrace.golden.golden import Golden, usual_bounds
 from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest
 from raytrace.golden.writing import ACCEPTANCE, DISPLAY
 from raytrace.image.formats import FORMATS
@@ -50,6 +50,8 @@ class Checked:
             line += f", {outside} outside the bounds" if outside else ", inside the bounds"
         if not self.failed:
             return line
+        if HOLDS_DISPLAY in self.failed:
+            return f"{line}: {HOLDS_DISPLAY}"
         return f"{line}: {c.diagnosis or '; '.join(self.failed)}"
 
     def to_dict(self) -> dict[str, Any]:
@@ -96,7 +98,7 @@ class GoldenFolder:
 
     def _checked(self, name: str, image: Any, comparison: Comparison, asked: Mapping[str, float]) -> Checked:
         if name not in self.certified:
-            return Checked(name, tuple(failures(comparison, {**BOUNDS, **asked})), comparison)
+            return Checked(name, tuple(failures(comparison, {**usual_bounds(comparison), **asked})), comparison)
         # As the image is stored: the comparison has developed linear light, and rounded what is finer than the other.
         certificate = read_certificate(self.certified[name])
         if isinstance(image, Picture):

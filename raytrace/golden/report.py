@@ -109,11 +109,11 @@ def _row(result: Checked) -> str:
     name = f'<a href="#{escape(result.name)}">{escape(result.name)}</a>' if result.failed else escape(result.name)
     cells = [
         f'<td data-key="{escape(result.name)}">{name}</td>',
-        f'<td data-key="{verdict}" class="{verdict}">{verdict}',
+        f'<td data-key="{verdict}" class="{verdict}">{verdict}</td>',
     ]
     comparison = result.comparison
     if comparison is None:
-        return f"<tr>{''.join(cells)}</td>{'<td data-key=nan></td>' * (len(_HEADS) - 2)}</tr>"
+        return f"<tr>{''.join(cells)}{'<td data-key=nan></td>' * (len(_HEADS) - 2)}</tr>"
     ssim = comparison.ssim
     numbers = [
         (ssim.mean if ssim else np.nan, "{:.6f}"),

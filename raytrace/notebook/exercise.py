@@ -9,7 +9,7 @@ import numpy as np
 
 from raytrace.comparison import Comparison, compare, failures
 from raytrace.errors import InputError
-from raytrace.golden.golden import BOUNDS
+from raytrace.golden.golden import usual_bounds
 from raytrace.notebook.pictures import pictures
 from raytrace.rendering import render
 from raytrace.scene import Scene
@@ -62,7 +62,7 @@ def check(image: Any, scene: Scene | str | Path) -> Answer:
         return Answer(False, f"{len(rows)} pixels are no numbers, the first at x {columns[0]}, y {rows[0]}")
     reference = render(scene, mine.shape[1::-1], backend="numpy", dtype="float64")
     compared = compare(reference, mine, scene=scene)
-    failed = failures(compared, BOUNDS)
+    failed = failures(compared, usual_bounds(compared))
     return Answer(not failed, _hint(compared, failed) if failed else "", compared)
 
 

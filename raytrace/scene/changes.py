@@ -1,10 +1,10 @@
 """Changes to a scene's document from the command line: ``sun.direction=[0, 1, 0]``."""
 
 import re
-import tomllib
 from typing import Any
 
 from raytrace.errors import InputError
+from raytrace.files import parsed_toml
 
 __all__ = ["change"]
 
@@ -68,8 +68,8 @@ def _value(text: str, setting: str) -> object:
     if _WORD.fullmatch(text) and text not in ("true", "false", "inf", "nan"):
         return text
     try:
-        parsed = tomllib.loads(f"value = {text}")
-    except tomllib.TOMLDecodeError:
+        parsed = parsed_toml(f"value = {text}")
+    except ValueError:
         parsed = {}
     if parsed.keys() != {"value"}:
         raise InputError(f"--set {setting}: {text!r} is neither a TOML value nor a word")

@@ -76,6 +76,21 @@ def _as_array(value: Any, name: str) -> Any:
         raise InputError(f"{name}: must be numbers, or one array (jax.numpy.array for traced ones)") from None
 
 
+def _as_constant(value: Any, name: str) -> Any:
+    """A choice as Python has it: numbers of NumPy and JAX are no part of a structure, which is hashed and compared.
+
+    Raises:
+        InputError: it is traced.
+    """
+    if not isinstance(value, np.generic | np.ndarray) and not hasattr(value, "__array_namespace__"):
+        return value
+    try:
+        plain = value.tolist()
+    except TypeError:
+        raise InputError(f"{name}: is a constant, which JAX cannot trace") from None
+    return tuple(plain) if isinstance(plain, list) else plain
+
+
 def _equal(a: Any, b: Any) -> bool:
     if isinstance(a, np.ndarray) or hasattr(a, "__array_namespace__"):
         return np.array_equal(a, b)
@@ -94,8 +109,8 @@ class _Record:
 
     def __post_init__(self):
         for entry in fields(self):
-            if not entry.metadata.get("static"):
-                object.__setattr__(self, entry.name, _as_array(getattr(self, entry.name), entry.name))
+            convert = _as_constant if entry.metadata.get("static") else _as_array
+            object.__setattr__(self, entry.name, convert(getattr(self, entry.name), entry.name))
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):
@@ -290,7 +305,7 @@ class Film(_Record):
 
     def __post_init__(self):
         super().__post_init__()
-        if isinstance(self.white_point, list | tuple | np.ndarray):
+        if isinstance(self.white_point, list | tuple):
             object.__setattr__(self, "white_point", tuple(map(float, self.white_point)))
 
 

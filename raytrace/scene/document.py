@@ -23,6 +23,8 @@ def scene_of(document: dict, where: str) -> Scene:
         tables = SceneDocument.model_validate(document).model_dump()
     except ValidationError as error:
         raise InputError(f"{where}: {_explained(error, document)}") from None
+    except RecursionError:
+        raise InputError(f"{where}: nested too deeply") from None
     camera = tables["camera"]
     spheres = tables["spheres"]
     return Scene(
@@ -102,7 +104,10 @@ def _explained(error: ValidationError, document: Any) -> str:
 
 def _found(value: Any) -> str:
     """What was found, where it is short enough to say."""
-    text = repr(value) if not isinstance(value, dict) else ""
+    try:
+        text = repr(value) if not isinstance(value, dict) else ""
+    except (RecursionError, ValueError):  # nested too deeply, or a number of too many digits
+        text = ""
     return f", found {text}" if 0 < len(text) <= 60 else ""
 
 

@@ -2,7 +2,6 @@
 
 import hashlib
 import re
-import tomllib
 from collections.abc import Iterable
 from importlib import resources
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import tomli_w
 
 from raytrace.errors import InputError, did_you_mean
-from raytrace.files import reason, whole_file
+from raytrace.files import parsed_toml, read_text, whole_file
 from raytrace.scene.changes import change
 from raytrace.scene.check import check_scene
 from raytrace.scene.data import Scene
@@ -81,8 +80,8 @@ def scene_from_toml(text: str, where: str, changes: Iterable[str] = ()) -> Scene
         InputError: its TOML or one of its values is wrong.
     """
     try:
-        document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+        document = parsed_toml(text)
+    except ValueError as error:
         raise InputError(f"{where}: not TOML: {error}") from None
     changed = where
     for setting in changes:
@@ -97,15 +96,11 @@ def _text(name: str) -> str:
     if path.name == name and built_in.is_file():
         return built_in.read_text(encoding="utf-8")
     try:
-        return path.read_text(encoding="utf-8")
+        return read_text(path, "TOML")
     except FileNotFoundError:
         if path.suffix or path.parent != Path("."):
             raise InputError(f"{name}: no such file") from None
         raise InputError(f"{name}: no such scene; {did_you_mean(name, scenes(), 'built in')}") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{name}: not TOML: not a text in UTF-8") from None
-    except OSError as error:
-        raise InputError(f"{name}: cannot be read: {reason(error)}") from None
 
 
 def scene_toml(scene: Scene) -> str:

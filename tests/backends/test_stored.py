@@ -63,9 +63,13 @@ def test_a_program_with_a_flipped_bit_is_removed_and_made_anew(tmp_path, monkeyp
     whole = path.read_bytes()
     for place in (0, len(whole) // 2, len(whole) - 1):
         path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
-        renderer._compiled.cache_clear()
-        assert (raytrace.render("skybox", (10, 4)) == expected).all()
-        assert stored._whole(path)  # a whole one took its place
+        with pytest.raises(ValueError, match="program"):
+            stored._whole(path)
+        assert not path.exists()
+    path.write_bytes(whole[:-1] + bytes([whole[-1] ^ 1]))
+    renderer._compiled.cache_clear()
+    assert (raytrace.render("skybox", (10, 4)) == expected).all()
+    assert stored._whole(path)  # a whole one took its place
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="needs POSIX's owners and modes")

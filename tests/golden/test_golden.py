@@ -1,5 +1,6 @@
 """Golden images: written whole and the same each time, and told from any other image."""
 
+import html.parser
 import json
 import shutil
 import signal
@@ -13,6 +14,7 @@ import pytest
 
 import raytrace
 from raytrace.comparison.metrics import pixels_over, similarity
+from raytrace.errors import InputError
 from raytrace.golden import BOUNDS, backend_source, folder_source, golden_folder, golden_scenes, write_goldens
 from raytrace.image import read_metadata
 from raytrace.rendering import Options
@@ -291,3 +293,75 @@ def test_every_golden_fails_against_every_other():
     for a, b in combinations(goldens(size=(160, 90)), 2):
         assert not similarity(a.image, b.image).mean >= BOUNDS["min_ssim"], (a.name, b.name)
         assert not pixels_over(a.image, b.image).mean() <= BOUNDS["max_share"], (a.name, b.name)
+
+
+def test_goldens_smaller_than_the_window_of_ssim_pass_against_themselves():
+    list(write_goldens("small", golden_scenes(["sphere"]), (8, 8)))
+    (checked,) = golden_folder("small").check(backend_source(Options(backend="numpy", dtype="float64")))
+    assert not checked.failed
+    (other,) = golden_folder("small").check(lambda golden: np.zeros((8, 8, 3)))
+    assert other.failed
+
+
+@pytest.mark.parametrize("name", ["a[b]", "a*", "a?b"])
+def test_names_with_letters_that_mean_something_to_a_shell(name):
+    raytrace.save_scene(raytrace.load_scene("sphere"), f"{name}.toml")
+    list(write_goldens("g", golden_scenes([f"{name}.toml"]), (16, 16)))
+    (checked,) = golden_folder("g").check(folder_source("g"))
+    assert not checked.failed
+    list(write_goldens("g", golden_scenes([f"{name}.toml"]), (16, 16)))
+
+
+def test_nothing_but_what_was_written_is_replaced():
+    """A manifest can name any file: it is there, and stays, unless it is as it was written."""
+    list(write_goldens("g", golden_scenes(["sphere"]), (16, 16)))
+    Path("g/thesis.txt").write_text("mine")
+    manifest = json.loads(Path("g/manifest.json").read_text())
+    manifest["scenes"]["sphere"]["files"]["thesis.txt"] = "0" * 64
+    Path("g/manifest.json").write_text(json.dumps(manifest))
+    with pytest.raises(InputError, match=r"holds thesis\.txt"):
+        list(write_goldens("g", golden_scenes(["sphere"]), (16, 16)))
+    assert Path("g/thesis.txt").read_text() == "mine"
+    Path("g/thesis.txt").unlink()
+    Path("g/sphere.png").unlink()
+    Path("g/sphere.png").mkdir()
+    with pytest.raises(InputError, match=r"holds sphere\.png"):
+        list(write_goldens("g", golden_scenes(["sphere"]), (16, 16)))
+    with pytest.raises(InputError, match="is the current folder"):
+        list(write_goldens(".", golden_scenes(["sphere"]), (16, 16)))
+
+
+def test_the_report_closes_what_it_opens():
+    class Balanced(html.parser.HTMLParser):
+        def __init__(self):
+            super().__init__()
+            self.opened = []
+
+        def handle_starttag(self, tag, attributes):
+            if tag not in ("img", "meta", "br", "link"):
+                self.opened.append(tag)
+
+        def handle_endtag(self, tag):
+            assert self.opened.pop() == tag
+
+    list(write_goldens("g", golden_scenes(["sphere", "skybox"]), (16, 16)))
+    Path("mine").mkdir()
+    raytrace.write_image("mine/sphere.png", np.zeros((16, 16, 3)))
+    done = command("check", "g", "--images", "mine")
+    assert done.returncode == 1
+    parser = Balanced()
+    parser.feed(Path("report.html").read_text())
+    assert parser.opened == ["html"]  # whose end HTML leaves to the file's
+
+
+def test_endings_in_capitals_are_found_and_exr_may_hold_display_values():
+    list(write_goldens("g", golden_scenes(["sphere"]), (48, 27)))
+    Path("mine").mkdir()
+    shutil.copy("g/sphere.png", "mine/sphere.PNG")
+    assert command("check", "g", "--images", "mine").returncode == 0
+    Path("mine/sphere.PNG").unlink()
+    raytrace.write_image("mine/sphere.exr", raytrace.read_image("g/sphere.display.exr"), output="linear")
+    done = command("check", "g", "--images", "mine")
+    assert done.returncode == 1
+    assert "give --display" in done.stdout
+    assert command("check", "g", "--images", "mine", "--display").returncode == 0

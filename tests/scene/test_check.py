@@ -1,3 +1,4 @@
+import importlib
 import subprocess
 import sys
 
@@ -79,3 +80,27 @@ def test_records_are_frozen_and_compare_by_value():
     assert sun != "sun"
     with pytest.raises(AttributeError):
         sun.direction = [1, 0, 0]
+
+
+@pytest.mark.parametrize("library", ["numpy", "jax.numpy"])
+def test_choices_may_be_numbers_of_numpy_or_jax(library):
+    """They become Python's, so that scenes are equal and a program is compiled for them."""
+    xp = importlib.import_module(library)
+    scene = raytrace.Scene(
+        planes=[raytrace.Plane(casts_shadow=xp.asarray(True))],
+        film=raytrace.Film(white_point=xp.asarray([0.25, 0.375])),
+    )
+    assert scene.planes[0].casts_shadow is True
+    assert scene.film.white_point == (0.25, 0.375)
+    assert raytrace.Film(white_point=xp.asarray(4000.0)) == raytrace.Film(white_point=4000.0)
+    assert raytrace.render(scene, (8, 4)).shape == (4, 8, 3)
+
+
+def test_a_choice_cannot_be_traced():
+    import jax
+
+    def brightness(kelvin):
+        return raytrace.render(raytrace.Scene(film=raytrace.Film(white_point=kelvin)), (8, 4)).mean()
+
+    with pytest.raises(raytrace.InputError, match="white_point: is a constant, which JAX cannot trace"):
+        jax.grad(brightness)(4000.0)

@@ -92,7 +92,7 @@ def test_files_that_cannot_be_read():
     assert refused("nowhere.toml") == "nowhere.toml: no such file"
     assert "did you mean 'checkerboard'?" in refused("chekerboard")
     Path("folder.toml").mkdir()
-    assert refused("folder.toml") == "folder.toml: cannot be read: is a directory"
+    assert refused("folder.toml") == "folder.toml: cannot be read: is not a regular file"
     Path("latin.toml").write_bytes(b"# caf\xe9")
     assert "not a text in UTF-8" in refused("latin.toml")
 
@@ -198,3 +198,33 @@ def test_an_existing_file_survives_a_scene_that_cannot_be_saved():
         raytrace.save_scene(raytrace.Scene(film=raytrace.Film(tone_mapper=abs)), "kept.toml")
     assert Path("kept.toml").read_text() == "# mine\n"
     assert [file.name for file in Path().iterdir()] == ["kept.toml"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a = " + "[" * 20_000,
+        "a = " + "9" * 20_000,
+        "a" + ".a" * 20_000 + " = 1",
+        "a = " + "{a=" * 20_000,
+        "[" + "a." * 9_999,
+    ],
+    ids=lambda text: text[:8],
+)
+def test_hostile_texts_are_one_line(text):
+    Path("a.toml").write_text(text)
+    told = refused("a.toml")
+    assert told.startswith("a.toml")
+    with pytest.raises(raytrace.InputError):
+        raytrace.load_scene("sphere", [text.replace("a = ", "sun.color=", 1)])
+
+
+def test_only_regular_files_are_read():
+    import os
+
+    os.mkfifo("pipe.toml")
+    for name in ("pipe.toml", "/dev/zero", "."):
+        with pytest.raises(raytrace.InputError, match="is not a regular file"):
+            raytrace.load_scene(name)
+    with pytest.raises(raytrace.InputError, match="no such"):
+        raytrace.load_scene("a\0b.toml")
