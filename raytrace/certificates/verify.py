@@ -154,3 +154,8 @@ def verify(image: Any, certificate: Certificate, values: str = "display", depth:
     with np.errstate(invalid="ignore"):
         by = np.maximum(low - most, least - high).max(axis=-1)
     return Verification(certificate, image, np.where(np.isnan(by), np.inf, np.maximum(by, 0)), depth)
+
+
+def only_as_display(image: Any, certificate: Certificate, kind: str, depth: Depth | None) -> bool:
+    """Return whether an image that is outside as linear light is inside as display values; see `verify`."""
+    return kind == "linear" and verify(image, certificate, "display", depth).inside

@@ -7,7 +7,7 @@ from typing import Any
 
 from raytrace.certificates import Verification, read_certificate, verify
 from raytrace.certificates.certificate import check_specification
-from raytrace.certificates.verify import HOLDS_DISPLAY
+from raytrace.certificates.verify import HOLDS_DISPLAY, only_as_display
 from raytrace.comparison import Comparison, failures
 from raytrace.comparison.inputs import Picture, read_picture
 from raytrace.errors import EngineFailure, InputError
@@ -90,6 +90,8 @@ class GoldenFolder:
                 continue
             try:
                 image = source(golden)
+                if isinstance(image, str | Path):
+                    image = read_picture(image, str(image), None, with_scene=False)
                 comparison = golden.compare(image, image.name if isinstance(image, Picture) else "image")
             except (InputError, EngineFailure) as error:
                 yield Checked(golden.name, (str(error),))
@@ -106,9 +108,12 @@ class GoldenFolder:
         else:
             verification = verify(image, certificate)
         outside = () if verification.inside else tuple(str(verification).splitlines()[:2])
-        if outside and isinstance(image, Picture) and image.kind == "linear":
-            shown = verify(image.values, certificate, "display", image.depth).inside
-            outside = (*outside, HOLDS_DISPLAY) if shown else outside
+        if (
+            outside
+            and isinstance(image, Picture)
+            and only_as_display(image.values, certificate, image.kind, image.depth)
+        ):
+            outside = (*outside, HOLDS_DISPLAY)
         return Checked(name, (*outside, *failures(comparison, asked)), comparison, verification)
 
 

@@ -365,3 +365,10 @@ def test_endings_in_capitals_are_found_and_exr_may_hold_display_values():
     assert done.returncode == 1
     assert "give --display" in done.stdout
     assert command("check", "g", "--images", "mine", "--display").returncode == 0
+
+
+def test_a_source_may_give_files():
+    list(write_goldens("g", golden_scenes(["sphere"]), (48, 27)))
+    (checked,) = golden_folder("g").check(lambda golden: Path("g/sphere.png"))
+    assert not checked.failed
+    assert checked.verification.inside
