@@ -45,6 +45,8 @@ MEANINGS: dict[str, tuple[str, ...]] = {
     "resolution": ("canvasSize", "viewport", "viewportSize", "screenSize", "size"),
     "aspect": ("aspectRatio",),
     "time_in_milliseconds": ("time",),
+    "frame_number": ("frame",),
+    "mouse": (),
     "sun_color": ("lightColor",),
     "sun_direction": ("sunDir", "lightDirection", "lightDir"),
     "sky_color_low": ("skyLow",),
@@ -106,7 +108,10 @@ def meanings(values: dict[str, Any], size: tuple[int, int]) -> dict[str, np.ndar
         "canvas_height": height,
         "resolution": [width, height],
         "aspect": width / height,
+        # A still, and nobody points at it.
         "time_in_milliseconds": 0,
+        "frame_number": 0,
+        "mouse": np.zeros(4),
         "sun_color": values["sunColor"],
         "sun_direction": values["sunDirection"],
         "sky_color_low": values["skyColorLow"],
@@ -117,9 +122,12 @@ def meanings(values: dict[str, Any], size: tuple[int, int]) -> dict[str, np.ndar
         "sphere_count": len(spheres),
         "plane_count": len(planes),
     }
-    if spheres:
-        for name, field in (("sphere_centers", "center"), ("sphere_radii", "radius"), ("sphere_colors", "color")):
-            found[name] = np.array([sphere[field] for sphere in spheres])
+    for name, field, shape in (
+        ("sphere_centers", "center", (-1, 3)),
+        ("sphere_radii", "radius", (-1,)),
+        ("sphere_colors", "color", (-1, 3)),
+    ):
+        found[name] = np.reshape([sphere[field] for sphere in spheres], shape)
     if planes:
         found |= {"plane_point": planes[0]["point"], "plane_normal": planes[0]["normal"]}
         found["tile_size"] = planes[0]["tileSize"]

@@ -1,4 +1,4 @@
-"""The whole fragment shader, and the vertex shader in front of it."""
+"""The whole fragment shader."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from raytrace.glsl.main import main_function, step_function
 from raytrace.glsl.values import values_of
 from raytrace.shader.uniforms import Program, Uniforms
 
-__all__ = ["fragment_shader", "vertex_shader"]
+__all__ = ["fragment_shader", "shader_text"]
 
 
 def fragment_shader(uniforms: Uniforms, program: Program, **options: Any) -> str:
@@ -25,19 +25,3 @@ def shader_text(choices: Choices, values: dict[str, Any]) -> str:
         paragraphs.append(step_function())
     paragraphs.append(main_function(choices))
     return "\n".join(["#version 300 es", *paragraphs])
-
-
-def vertex_shader(version: str = "300 es", coordinates: str = "fragmentTextureCoordinates") -> str:
-    """A quad over the whole viewport, two triangles as a strip of four vertices without buffers.
-
-    coordinates: the name under which the fragment shader is given its texture coordinates, from 0 to 1.
-    """
-    return f"""\
-#version {version}
-out vec2 {coordinates};
-
-void main(){{
-    {coordinates} = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-    gl_Position = vec4(2.*{coordinates} - 1., 0., 1.);
-}}
-"""

@@ -278,6 +278,8 @@ class MatrixCamera(_Record):
         for name in ("ndc_to_view", "view_to_world"):
             if not np.linalg.det(getattr(self, name)):
                 return f"{name} must be an invertible matrix"
+        if not np.allclose(self.view_to_world[3], (0, 0, 0, 1), rtol=0, atol=1e-6):
+            return "view_to_world must have 0 0 0 1 as its last row; is it transposed? The position is the last column"
         return None
 
 

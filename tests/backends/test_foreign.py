@@ -8,6 +8,7 @@ import pytest
 
 import raytrace
 from raytrace.export import EXPORTS
+from tests.engines import need
 from tests.processes import command
 from tests.scenes import some
 from tests.strategies import many
@@ -118,6 +119,121 @@ def test_a_newer_shader_runs_on_opengl_only(engine):
     else:
         with pytest.raises(raytrace.InputError, match="webgl takes '#version 300 es', found '#version 330'"):
             drawn(newer, engine)
+
+
+BODY = "void main(){ color = vec4(uv, 0.25, 1.); }"
+OLD = "varying vec2 uv; void main(){ gl_FragColor = vec4(uv, 0.25, 1.); }"
+DIALECTS = {
+    "GLSL ES 1.00": f"#version 100\nprecision highp float; {OLD}",
+    "no version": f"precision highp float; {OLD}",
+    "a comment": f"#version 300 es // mine\nprecision highp float; in vec2 uv; out vec4 color; {BODY}",
+    "blank lines": f"\n\n#version 300 es\nprecision highp float; in vec2 uv; out vec4 color; {BODY}",
+    "Shadertoy": "void mainImage(out vec4 c, in vec2 p){ c = vec4(p / iResolution.xy, 0.25*iResolution.z + iTime, 0); }",
+    "GLSL 1.20": f"#version 120\n{OLD}",
+    "GLSL 1.10, no version": OLD,
+    "GLSL 4.50": f"#version 450 core\nlayout(location = 0) in vec2 uv; layout(location = 0) out vec4 color; {BODY}",
+    "compatibility": f"#version 330 compatibility\nin vec2 uv; out vec4 color; {BODY}",
+}
+#: Those that a browser does not run.
+DESKTOP = ("GLSL 1.20", "GLSL 1.10, no version", "GLSL 4.50", "compatibility")
+
+
+@pytest.mark.parametrize("dialect", some(DIALECTS, "GLSL ES 1.00", "Shadertoy", "GLSL 1.20", "GLSL 4.50"))
+def test_dialects(engine, dialect):
+    """Each is run, or refused in a line that says what is taken."""
+    if engine == "webgl" and dialect in DESKTOP:
+        with pytest.raises(raytrace.InputError, match=r"^a\.frag: backend webgl takes '#version 300 es', found "):
+            drawn(DIALECTS[dialect], engine)
+        return
+    image = drawn(DIALECTS[dialect], engine)
+    height, width = image.shape[:2]
+    uv = (np.arange(width) + 0.5) / width, 1 - (np.arange(height) + 0.5) / height
+    expected = np.stack([*np.meshgrid(*uv), np.full((height, width), 0.25)], axis=-1)
+    np.testing.assert_allclose(image, expected, atol=1e-5)
+
+
+HEAD = "#version 300 es\nprecision highp float; precision highp int; out vec4 color;\n"
+
+
+@pytest.mark.parametrize(
+    ("declared", "shown", "uniforms", "expected"),
+    [
+        ("uniform Scene{ mat4 viewToWorld; vec3 camPos; };", "camPos", {}, [0, 0.5, 2]),
+        ("layout(std140) uniform Scene{ float x; vec3 eye; } scene;", "scene.eye * scene.x", {"scene.x": 2}, [0, 1, 4]),
+        ("struct A{ vec3 position; }; uniform A camera;", "camera.position", {}, [0, 0.5, 2]),
+        ("uniform mat3 m;", "m * vec3(1., 0., 0.)", {"m": [[1, 2, 3], [4, 5, 6], [7, 8, 9]]}, [1, 4, 7]),
+        ("uniform mat3 m;", "m * vec3(1., 0., 0.)", {"m": [1, 2, 3, 4, 5, 6, 7, 8, 9]}, [1, 2, 3]),
+        ("uniform vec3 iResolution;", "iResolution", {}, [*SIZE, 1]),
+        ("uniform float unused; uniform float a;", "vec3(a)", {"unused": 3, "a": 0.5}, [0.5, 0.5, 0.5]),
+        ("uniform vec3 constructor, toString; uniform float valueOf;", "constructor * toString + valueOf",
+         {"constructor": [1, 2, 3], "toString": [2, 2, 2], "valueOf": 1}, [3, 5, 7]),
+        ("uniform struct A{ vec3 center; float radius; vec3 color; } spheres[8];", "vec3(spheres[1].center.xy, "
+         "spheres[7].radius + spheres[5].radius)", {}, [-0.5, 0, 0.3]),
+    ],
+)  # fmt: skip
+def test_nothing_that_is_read_is_silently_zero(engine, declared, shown, uniforms, expected):
+    image = drawn(f"{HEAD}{declared} void main(){{ color = vec4({shown}, 1.); }}", engine, uniforms=uniforms)
+    np.testing.assert_allclose(image[0, 0], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("declared", "shown", "uniforms", "told"),
+    [
+        ("uniform struct A{ vec3 center; } spheres[4]; uniform int n;", "spheres[n].center", {"n": 1},
+         "uniform spheres[4]: is too short for the scene's 6"),
+        ("uniform float sphereRadii[3]; uniform int n;", "vec3(sphereRadii[n])", {"n": 1},
+         "uniform float sphereRadii: has 3 elements, too few for the 6 of its value"),
+        ("uniform int n;", "vec3(n)", {"n": 1.5}, "takes whole numbers from -2147483648 to 2147483647, found 1.5"),
+        ("uniform uint n;", "vec3(n)", {"n": -1}, "takes whole numbers from 0 to 4294967295, found -1"),
+        ("uniform float x;", "vec3(x)", {"x": 1e39}, "takes numbers of float32, found 1e+39"),
+    ],
+)  # fmt: skip
+def test_what_a_uniform_does_not_hold(engine, declared, shown, uniforms, told):
+    with pytest.raises(raytrace.InputError, match=r"^a\.frag: uniform ") as error:
+        drawn(f"{HEAD}{declared} void main(){{ color = vec4({shown}, 1.); }}", engine, uniforms=uniforms)
+    assert told in str(error.value)
+
+
+def test_a_shader_that_only_discards_is_black(engine):
+    assert not drawn(f"{HEAD}void main(){{ discard; }}", engine).any()
+
+
+def test_our_own_vertex_shader_is_not_shown(engine):
+    with pytest.raises(raytrace.InputError) as error:
+        drawn(f"{HEAD}in vec2 gl_Mine; void main(){{ color = vec4(1.); }}", engine)
+    assert "fragmentTextureCoordinates" not in str(error.value)
+    assert "gl_VertexID" not in str(error.value)
+
+
+LOOPS = {
+    "for": "for(int i = 0; i != n; i += 0) color += sin(color + 1.);",
+    "while": "while(true) color += sin(color + 1.);",
+    "do": "do color += sin(color + 1.); while(n == 1);",
+    "no condition": "for(;;){ color += sin(color + 1.); if(color.x > 1e9) break; }",
+    "long": "for(int i = 0; i < 70000; i++) color += sin(color + 1.);",
+    "nested": "for(int i = 0; i < 300; i++) for(int j = 0; j < 300; j++) color += sin(color + 1.);",
+}
+
+
+@pytest.mark.parametrize("loop", some(LOOPS, "for", "nested"))
+def test_a_loop_that_is_cut_is_told(loop):
+    """llvmpipe leaves it without a word, and goes on."""
+    need("opengl")
+    text = f"{HEAD}uniform int n;\nvoid main(){{\n for(int i = 0; i < n; i++) color += 1.;\n {LOOPS[loop]} }}"
+    Path("a.frag").write_text(text)
+    with pytest.raises(raytrace.EngineFailure, match=r"^a\.frag:6: this loop never ends, or takes too long"):
+        raytrace.render("sphere", (8, 4), backend="opengl", shader="a.frag", uniforms={"n": 1})
+
+
+@pytest.mark.parametrize("turns", [0, 1, 60_000])
+@pytest.mark.parametrize("discard", ["", "if(gl_FragCoord.x < 4.) discard;"])
+def test_a_loop_that_ends_is_not(turns, discard):
+    need("opengl")
+    text = f"{HEAD}uniform int n; void main(){{ color = vec4(0.); {discard} for(int i = 0; i < n; i++) color += 1.; }}"
+    Path("a.frag").write_text(text)
+    image = raytrace.render("sphere", (8, 4), backend="opengl", shader="a.frag", uniforms={"n": turns}, output="linear")
+    np.testing.assert_array_equal(image[:, 4:], np.full((4, 4, 3), turns))
+    np.testing.assert_array_equal(image[:, :4], np.full((4, 4, 3), 0 if discard else turns))
 
 
 ENDLESS = """\

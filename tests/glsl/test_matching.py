@@ -20,7 +20,7 @@ class Uniform(NamedTuple):
 
 
 def value(uniform, given=None):
-    found, _ = matched("a.frag", [uniform], VALUES, (200, 100), given or {})
+    found, _ = matched("a.frag", [uniform], VALUES, (200, 100), given or {}, {"spheres": "[8]"})
     return found[uniform.name].tolist()
 
 

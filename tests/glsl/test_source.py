@@ -32,9 +32,10 @@ def test_the_version_is_found_and_comes_first(head, version):
 
 
 def test_the_students_line_is_that_of_the_file():
-    """Lines before the directive are left out of what is compiled, and counted in what is said."""
+    """Lines before the directive stay, empty, behind the one that is compiled first."""
     source = ShaderSource("a.frag", "\n// mine\n#version 300 es\nint x = 1.;\n")
-    assert source.explained("0:2(9): error: no") == "a.frag:4: no: int x = 1.;"
+    assert source.fragment.split("\n")[4] == "int x = 1.;"
+    assert source.explained("0:5(9): error: no") == "a.frag:4: no: int x = 1.;"
 
 
 def test_what_stands_before_the_directive_is_the_compilers_to_refuse():

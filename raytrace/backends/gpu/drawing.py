@@ -4,7 +4,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-__all__ = ["ActiveUniform", "Drawing", "ShaderProgram", "ShaderRejected", "Unavailable"]
+__all__ = ["CORNERS", "ActiveUniform", "Drawing", "ShaderProgram", "ShaderRejected", "Unavailable"]
+
+
+#: The four vertices of the picture's strip of triangles, as GLSL ES 1.00's attribute ``corner``.
+CORNERS = np.array([(0, 0), (1, 0), (0, 1), (1, 1)], np.float32)
 
 
 class Unavailable(Exception):
@@ -12,7 +16,14 @@ class Unavailable(Exception):
 
 
 class ShaderRejected(Exception):
-    """A shader does not compile or link: the message is the compiler's log."""
+    """A shader does not compile or link: the message is the compiler's log.
+
+    stage: which: "vertex", "fragment", or "link" for both together.
+    """
+
+    def __init__(self, log: str, stage: str = "fragment"):
+        super().__init__(log)
+        self.stage = stage
 
 
 @dataclass(frozen=True)
@@ -41,6 +52,8 @@ class Drawing:
     uniforms: flat arrays by GLSL name, of the uniform's own type; those that the program does not use are left out.
     textures: float32 arrays (height, width, 4) by the sampler's name.
     passes: what is changed in `uniforms` for each pass.
+    alpha: of pixels that the shader does not write; their colour is black.
+    only: the one pixel (column, row) that is drawn; row 0 is on top.
     """
 
     program: ShaderProgram
@@ -51,6 +64,16 @@ class Drawing:
     uniforms: dict[str, np.ndarray]
     textures: dict[str, np.ndarray] = field(default_factory=dict)
     passes: tuple[dict[str, np.ndarray], ...] = ({},)
+    alpha: float = 0.0
+    only: tuple[int, int] | None = None
+
+    @property
+    def box(self) -> tuple[int, int, int, int]:
+        """Of the framebuffer, what is drawn: x, y from below, width, height."""
+        if self.only is None:
+            return 0, 0, self.width, self.count
+        column, row = self.only
+        return column, self.first + self.count - 1 - row, 1, 1
 
     @property
     def shape(self) -> tuple[int, int, int, int]:

@@ -7,7 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.backends.gpu.drawing import ActiveUniform, Drawing, ShaderProgram, ShaderRejected, Unavailable
+from raytrace.backends.gpu.drawing import (
+    CORNERS,
+    ActiveUniform,
+    Drawing,
+    ShaderProgram,
+    ShaderRejected,
+    Unavailable,
+)
 
 __all__ = ["OpenGL"]
 
@@ -59,6 +66,11 @@ class OpenGL:
         """The uniforms that the program uses."""
         members = self._compiled(program)
         uniforms = [members[name] for name in members]
+        for member in uniforms:
+            if isinstance(member, self._moderngl.UniformBlock | self._moderngl.StorageBlock):
+                raise ShaderRejected(
+                    f"error: block {member.name}: takes its numbers from a buffer; use uniforms", "link"
+                )
         return [
             # An array of numbers is called by its first element's name or by its own, as the driver likes.
             ActiveUniform(re.sub(r"\[0\]$", "", uniform.name), _type(uniform), uniform.array_length)
@@ -74,7 +86,9 @@ class OpenGL:
             raise Unavailable(f"draws at most {limits[0]}x{limits[1]} pixels, found {drawing.width}x{drawing.height}")
         target = context.framebuffer([context.renderbuffer((drawing.width, drawing.count), 4, dtype="f4")])
         textures = {name: self._texture(texels) for name, texels in drawing.textures.items()}
-        quad = context.vertex_array(program, [])
+        corners = context.buffer(CORNERS)
+        # GLSL ES 1.00 takes them from a buffer, what is newer counts the vertices.
+        quad = context.vertex_array(program, [(corners, "2f", "corner")] if "corner" in program else [])
         try:
             samplers = {name: np.array(unit, np.int32) for unit, name in enumerate(textures)}
             for unit, texture in enumerate(textures.values()):
@@ -83,11 +97,13 @@ class OpenGL:
                 self._set(program, drawing.uniforms | samplers | changed)
                 target.use()
                 context.viewport = drawing.viewport
-                target.clear(viewport=(0, 0, drawing.width, drawing.count))
+                target.clear(alpha=drawing.alpha, viewport=(0, 0, drawing.width, drawing.count))
+                context.scissor = drawing.box
                 quad.render(self._moderngl.TRIANGLE_STRIP, vertices=4)
+                context.scissor = None
                 target.read_into(image, components=4, dtype="f4")
         finally:
-            for resource in (quad, target, *target.color_attachments, *textures.values()):
+            for resource in (quad, corners, target, *target.color_attachments, *textures.values()):
                 resource.release()
 
     def close(self) -> None:
@@ -97,7 +113,8 @@ class OpenGL:
         try:
             return self._context.program(vertex_shader=program.vertex, fragment_shader=program.fragment)
         except self._moderngl.Error as error:
-            raise ShaderRejected(str(error)) from None
+            stage = re.search(r"^(vertex|fragment)_shader$", str(error), re.MULTILINE)
+            raise ShaderRejected(str(error), stage[1] if stage else "link") from None
 
     def _texture(self, texels: np.ndarray) -> Any:
         height, width, _ = texels.shape

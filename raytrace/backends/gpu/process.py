@@ -103,7 +103,7 @@ class EngineProcess:
             return answer["value"]
         if answer["refusal"] == Unavailable.__name__:
             raise InputError(f"backend {self.name}: {answer['message']}")
-        raise ShaderRejected(answer["message"])
+        raise ShaderRejected(answer["message"], answer["stage"])
 
     def _running(self) -> subprocess.Popen:
         if self._process is None or self._process.poll() is not None:

@@ -1,6 +1,9 @@
-// WebGL2 on a float framebuffer. The page's answers are objects: {rejected: log}, {unavailable: why} or the result.
+// WebGL2 on a float framebuffer. The page's answers are objects: {rejected: log, stage}, {unavailable: why} or the result.
 
 let gl, programs;
+
+// The vertices of the picture, for GLSL ES 1.00, which does not count them.
+const CORNERS = new Float32Array([0, 0, 1, 0, 0, 1, 1, 1]);
 
 function start() {
     gl = document.createElement("canvas").getContext("webgl2", {antialias: false});
@@ -8,6 +11,8 @@ function start() {
     if (!gl.getExtension("EXT_color_buffer_float"))
         return {unavailable: "the browser cannot render to floats (EXT_color_buffer_float)"};
     programs = new Map();
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, CORNERS, gl.STATIC_DRAW);
     return {};
 }
 
@@ -17,13 +22,19 @@ function about() {
     return `${renderer}; ${gl.getParameter(gl.VERSION)}`;
 }
 
-class Rejected extends Error {}
+class Rejected extends Error {
+    constructor(log, stage) {
+        super(log);
+        this.stage = stage;
+    }
+}
 
 function shader(type, source) {
+    const stage = type === gl.VERTEX_SHADER ? "vertex" : "fragment";
     const made = gl.createShader(type);
     gl.shaderSource(made, source);
     gl.compileShader(made);
-    if (!gl.getShaderParameter(made, gl.COMPILE_STATUS)) throw new Rejected(gl.getShaderInfoLog(made) || "context lost");
+    if (!gl.getShaderParameter(made, gl.COMPILE_STATUS)) throw new Rejected(gl.getShaderInfoLog(made) || "context lost", stage);
     return made;
 }
 
@@ -31,10 +42,12 @@ function compiled({vertex, fragment}) {
     const key = vertex + fragment;
     if (!programs.has(key)) {
         const program = gl.createProgram();
-        gl.attachShader(program, shader(gl.VERTEX_SHADER, vertex));
+        // The fragment shader first: what is wrong in both is said of its lines.
         gl.attachShader(program, shader(gl.FRAGMENT_SHADER, fragment));
+        gl.attachShader(program, shader(gl.VERTEX_SHADER, vertex));
+        gl.bindAttribLocation(program, 0, "corner");
         gl.linkProgram(program);
-        if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Rejected(gl.getProgramInfoLog(program));
+        if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Rejected(gl.getProgramInfoLog(program), "link");
         programs.set(key, program);
     }
     return programs.get(key);
@@ -60,15 +73,21 @@ function uniformsOf(program) {
 }
 
 function activeUniforms(program) {
-    return uniformsOf(compiled(program));
+    const made = compiled(program);
+    if (gl.getProgramParameter(made, gl.ACTIVE_UNIFORM_BLOCKS)) {
+        const name = gl.getActiveUniformBlockName(made, 0);
+        throw new Rejected(`error: block ${name}: takes its numbers from a buffer; use uniforms`, "link");
+    }
+    return uniformsOf(made);
 }
 
-function setUniforms(program, values) {
+function setUniforms(program, pairs) {
+    const values = new Map(pairs);
     for (const [name, type] of uniformsOf(program)) {
-        if (!(name in values)) continue;
+        if (!values.has(name)) continue;
         const place = gl.getUniformLocation(program, name);
-        if (type.startsWith("FLOAT_MAT")) gl[SETTERS[type]](place, false, values[name]);
-        else gl[SETTERS[type]](place, values[name]);
+        if (type.startsWith("FLOAT_MAT")) gl[SETTERS[type]](place, false, values.get(name));
+        else gl[SETTERS[type]](place, values.get(name));
     }
 }
 
@@ -83,8 +102,19 @@ function texture(unit, {width, height, texels}) {
     return made;
 }
 
+// A shader that never writes its colour, as one that only discards, may not be drawn into a buffer of colours.
+function drawQuad() {
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    const error = gl.getError();
+    if (error === gl.NO_ERROR) return;
+    if (error !== gl.INVALID_OPERATION) throw new Error(`WebGL's error 0x${error.toString(16)}`);
+    gl.drawBuffers([gl.NONE]);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.drawBuffers([gl.COLOR_ATTACHMENT0]);
+}
+
 // Draws one pass after the other; gives the base64 of each one's floats.
-async function draw({program, width, height, count, viewport, uniforms, textures, passes}) {
+async function draw({program, width, height, count, viewport, box, alpha, uniforms, textures, passes}) {
     const limit = Math.min(...gl.getParameter(gl.MAX_VIEWPORT_DIMS), gl.getParameter(gl.MAX_RENDERBUFFER_SIZE));
     if (width > limit || height > limit)
         return {unavailable: `draws at most ${limit}x${limit} pixels, found ${width}x${height}`};
@@ -96,21 +126,31 @@ async function draw({program, width, height, count, viewport, uniforms, textures
     const framebuffer = gl.createFramebuffer();
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.RENDERBUFFER, target);
-    const bound = Object.entries(textures).map(([name, texels], unit) => {
+    const bound = textures.map(([name, texels], unit) => {
         gl.uniform1i(gl.getUniformLocation(made, name), unit);
         return texture(unit, texels);
     });
     setUniforms(made, uniforms);
+    const attributes = gl.getAttribLocation(made, "corner") === 0;
+    if (attributes) {
+        gl.enableVertexAttribArray(0);
+        gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
+    }
+    gl.clearColor(0, 0, 0, alpha);
     const images = [];
     for (const changed of passes) {
         setUniforms(made, changed);
         gl.viewport(...viewport);
         gl.clear(gl.COLOR_BUFFER_BIT);
-        gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+        gl.scissor(...box);
+        gl.enable(gl.SCISSOR_TEST);
+        drawQuad();
+        gl.disable(gl.SCISSOR_TEST);
         const pixels = new Float32Array(4 * width * count);
         gl.readPixels(0, 0, width, count, gl.RGBA, gl.FLOAT, pixels);
         images.push(await base64(pixels));
     }
+    if (attributes) gl.disableVertexAttribArray(0);
     for (const each of bound) gl.deleteTexture(each);
     gl.deleteFramebuffer(framebuffer);
     gl.deleteRenderbuffer(target);
@@ -133,7 +173,7 @@ async function answer(method, argument) {
         return {result: await {start, about, activeUniforms, draw}[method](argument)};
     } catch (error) {
         if (gl?.isContextLost()) return {result: {lost: true}};
-        if (error instanceof Rejected) return {result: {rejected: error.message}};
+        if (error instanceof Rejected) return {result: {rejected: error.message, stage: error.stage}};
         throw error;
     }
 }

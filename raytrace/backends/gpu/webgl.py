@@ -79,14 +79,16 @@ class WebGL:
             "width": drawing.width,
             "height": drawing.height,
             "uniforms": _uniforms(drawing.uniforms),
-            "textures": {name: _texture(texels) for name, texels in drawing.textures.items()},
+            "textures": [(name, _texture(texels)) for name, texels in drawing.textures.items()],
             "passes": [_uniforms(changed) for changed in drawing.passes],
+            "alpha": drawing.alpha,
         }
         x, y, *size = drawing.viewport
         rows = max(1, _READING // drawing.width)
         for bottom in range(0, drawing.count, rows):
             band = out[:, bottom : bottom + rows]
-            part = {"count": band.shape[1], "viewport": [x, y - bottom, *size]}
+            left, below, *box = drawing.box
+            part = {"count": band.shape[1], "viewport": [x, y - bottom, *size], "box": [left, below - bottom, *box]}
             for image, text in zip(band, self._ask("draw", request | part)["images"], strict=True):
                 image[...] = np.frombuffer(base64.b64decode(text), np.float32).reshape(image.shape)
 
@@ -106,7 +108,7 @@ class WebGL:
         answer = self._page.evaluate("([method, argument]) => answer(method, argument)", [method, argument])["result"]
         if isinstance(answer, dict):
             if "rejected" in answer:
-                raise ShaderRejected(answer["rejected"])
+                raise ShaderRejected(answer["rejected"], answer["stage"])
             if "unavailable" in answer:
                 raise Unavailable(answer["unavailable"])
             if "lost" in answer:
@@ -130,8 +132,9 @@ def _type(constant: str) -> str:
     return {"float": "", "int": "i", "bool": "b"}.get(scalar, "") + kind
 
 
-def _uniforms(uniforms: dict[str, np.ndarray]) -> dict[str, list]:
-    return {name: np.ravel(value).tolist() for name, value in uniforms.items()}
+def _uniforms(uniforms: dict[str, np.ndarray]) -> list[tuple[str, list]]:
+    """Pairs, as an object of JavaScript has names of its own."""
+    return [(name, np.ravel(value).tolist()) for name, value in uniforms.items()]
 
 
 def _texture(texels: np.ndarray) -> dict[str, Any]:

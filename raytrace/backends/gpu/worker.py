@@ -1,8 +1,8 @@
 """The process that an engine lives in: ``python -m raytrace.backends.gpu.worker ENGINE``.
 
 It reads requests, pickled (method, arguments), from standard input, and answers each with a line of JSON on standard
-output, {"value": ...} or {"refusal": its kind, "message": ...}, until the input ends. So what this process sends, which
-runs foreign code, is data. An image is written to a file that the asker maps.
+output, {"value": ...} or {"refusal": its kind, "message": ..., "stage": ...}, until the input ends. So what this
+process sends, which runs foreign code, is data. An image is written to a file that the asker maps.
 """
 
 import json
@@ -43,7 +43,8 @@ def main(name: str) -> None:
                 engine = getattr(import_module(module), kind)()
             answer = {"value": _answer(engine, method, arguments)}
         except (ShaderRejected, Unavailable) as refusal:
-            answer = {"refusal": type(refusal).__name__, "message": str(refusal)}
+            stage = getattr(refusal, "stage", None)
+            answer = {"refusal": type(refusal).__name__, "message": str(refusal), "stage": stage}
         print(json.dumps(answer), file=answers, flush=True)
     if engine is not None:
         engine.close()
