@@ -128,7 +128,8 @@ DIALECTS = {
     "no version": f"precision highp float; {OLD}",
     "a comment": f"#version 300 es // mine\nprecision highp float; in vec2 uv; out vec4 color; {BODY}",
     "blank lines": f"\n\n#version 300 es\nprecision highp float; in vec2 uv; out vec4 color; {BODY}",
-    "Shadertoy": "void mainImage(out vec4 c, in vec2 p){ c = vec4(p / iResolution.xy, 0.25*iResolution.z + iTime, 0); }",
+    "Shadertoy": "\
+void mainImage(out vec4 c, in vec2 p){ c = vec4(p / iResolution.xy, iTime + .25*iResolution.z, 0); }",
     "GLSL 1.20": f"#version 120\n{OLD}",
     "GLSL 1.10, no version": OLD,
     "GLSL 4.50": f"#version 450 core\nlayout(location = 0) in vec2 uv; layout(location = 0) out vec4 color; {BODY}",

@@ -1,6 +1,6 @@
-"""The asking side of an engine's process: started when first needed, ended when it fails or is too slow.
+"""The asking side of an engine's process: started when first needed, ended when it fails or asks for too much.
 
-A crash of a driver or an endless loop of a shader ends that process and nothing else.
+A crash of a driver, an endless loop of a shader or one that takes all memory ends that process and nothing else.
 """
 
 import atexit
@@ -12,15 +12,18 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from contextlib import suppress
 from functools import cache
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from raytrace.backends.gpu.drawing import ActiveUniform, Drawing, ShaderProgram, ShaderRejected, Unavailable
 from raytrace.errors import EngineFailure, InputError
+
+if TYPE_CHECKING:
+    from psutil import Process
 
 __all__ = ["TIME_LIMIT", "EngineProcess", "engine_process"]
 
@@ -29,16 +32,27 @@ TIME_LIMIT = 300.0
 #: The most bytes of an answer: names of uniforms, or a compiler's log.
 LONGEST_ANSWER = 1 << 24
 
+#: Bytes that an engine's process and all that it starts may hold, beside `IMAGES` times the image that is drawn.
+MEMORY_LIMIT = 2 << 30
+IMAGES = 4
+#: Seconds between two looks at them.
+_LOOKS = 0.2
+
 #: Where large files are memory, if there is such a place.
 _MEMORY = "/dev/shm" if os.path.isdir("/dev/shm") else None
 
 
 class EngineProcess:
-    """An engine in a process of its own. Every method raises what `_ask` raises."""
+    """An engine in a process of its own. Every method raises what `_ask` raises.
 
-    def __init__(self, name: str):
-        self.name = name
+    memory: the most bytes that it may hold, beside its images.
+    """
+
+    def __init__(self, name: str, memory: int = MEMORY_LIMIT):
+        self.name, self.memory = name, memory
         self._process: subprocess.Popen | None = None
+        #: An end of a pipe that nothing is written to: the system closes it when this process ends, however it does.
+        self._alive: int | None = None
         self._asking = threading.Lock()
 
     def about(self, limit: float = TIME_LIMIT) -> str:
@@ -52,8 +66,9 @@ class EngineProcess:
     def draw(self, drawing: Drawing, limit: float = TIME_LIMIT) -> np.ndarray:
         """The drawing's passes: float32 (pass, row from the top down, column, RGBA)."""
         with tempfile.NamedTemporaryFile(prefix="raytrace-", dir=_MEMORY) as file:
-            file.truncate(4 * int(np.prod(drawing.shape)))
-            self._ask("draw", (drawing, file.name), limit)
+            size = 4 * int(np.prod(drawing.shape))
+            file.truncate(size)
+            self._ask("draw", (drawing, file.name), limit, self.memory + IMAGES * size)
             # The mapping outlives the file.
             return np.memmap(file.name, np.float32, "r", shape=drawing.shape)[:, ::-1]
 
@@ -62,59 +77,93 @@ class EngineProcess:
         process, self._process = self._process, None
         if process is None:
             return
-        for pid in (process.pid, *_descendants(process.pid)):
-            with suppress(OSError):
-                os.kill(pid, getattr(signal, "SIGKILL", signal.SIGTERM))
+        end_family(process.pid)
         process.wait()
+        if self._alive is not None:
+            os.close(self._alive)
+            self._alive = None
         for stream in filter(None, (process.stdin, process.stdout)):
             with suppress(OSError):
                 stream.close()
 
-    def _ask(self, method: str, arguments: tuple, limit: float) -> Any:
+    def _ask(self, method: str, arguments: tuple, limit: float, memory: int | None = None) -> Any:
         """The engine's answer.
+
+        limit: seconds. memory: bytes; by default `self.memory`.
 
         Raises:
             InputError: the engine is not there, or cannot do this.
             ShaderRejected: a shader does not compile.
-            EngineFailure: the engine crashed, or took longer than `limit` seconds.
+            EngineFailure: the engine crashed, or took more than it may of time or memory.
         """
         with self._asking:
             process = self._running()
             assert process.stdin is not None
             assert process.stdout is not None
-            late = threading.Event()
-            timer = threading.Timer(limit, lambda: (late.set(), self.stop()))
-            timer.start()
+            answered, wrong = threading.Event(), []
+            watch = threading.Thread(
+                target=self._watch, args=(answered, wrong, limit, memory or self.memory), daemon=True
+            )
+            watch.start()
             try:
                 pickle.dump((method, arguments), process.stdin)
                 process.stdin.flush()
                 answer = json.loads(process.stdout.readline(LONGEST_ANSWER))
             except (OSError, ValueError):
-                timer.cancel()
+                answered.set()
+                watch.join()
                 code = process.wait()
                 self.stop()
-                raise EngineFailure(_failure(self.name, late.is_set(), limit, code)) from None
+                raise EngineFailure(f"backend {self.name}: {wrong[0] if wrong else _crashed(code)}") from None
             except BaseException:
-                timer.cancel()
+                answered.set()
                 self.stop()  # the answer to this must not be taken for the next one's
                 raise
-            timer.cancel()
+            answered.set()
+            watch.join()
         if "value" in answer:
             return answer["value"]
         if answer["refusal"] == Unavailable.__name__:
             raise InputError(f"backend {self.name}: {answer['message']}")
         raise ShaderRejected(answer["message"], answer["stage"])
 
+    def _watch(self, answered: threading.Event, wrong: list[str], limit: float, memory: int) -> None:
+        """Ends the process when it takes longer, or more bytes, than it may, and says so in `wrong`."""
+        process, end = self._process, time.monotonic() + limit
+        assert process is not None
+        while not answered.wait(max(0.0, min(_LOOKS, end - time.monotonic()))):
+            if time.monotonic() >= end:
+                wrong.append(f"did not finish within {limit:g} s")
+            elif _resident(process.pid) > memory:
+                wrong.append(f"took more than {memory / (1 << 30):.1f} GiB of memory")
+            if wrong:
+                self.stop()
+                return
+
     def _running(self) -> subprocess.Popen:
         if self._process is None or self._process.poll() is not None:
+            self.stop()
+            try:
+                import psutil  # noqa: F401 (needed to end it)
+            except ImportError:
+                raise InputError(f"backend {self.name}: needs psutil: pip install psutil") from None
             # -P: the current folder, where a user's files are, is no place to import modules from.
+            command = [sys.executable, "-P", "-m", "raytrace.backends.gpu.worker", self.name]
+            there, handed = None, ()
+            if hasattr(os, "fork"):
+                there, self._alive = os.pipe()
+                command.append(str(there))
+                handed = (there,)
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "raytrace.backends.gpu.worker", self.name],
+                command,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
+                pass_fds=handed,
                 start_new_session=True,
             )
+            if there is not None:
+                os.close(there)
         return self._process
 
 
@@ -126,18 +175,37 @@ def engine_process(name: str, foreign: bool = False) -> EngineProcess:
     return process
 
 
-def _failure(name: str, late: bool, limit: float, code: int) -> str:
-    if late:
-        return f"backend {name}: did not finish within {limit:g} s"
+def _crashed(code: int) -> str:
     ended = f"ended by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-    return f"backend {name}: the engine crashed ({ended})"
+    return f"the engine crashed ({ended})"
 
 
-def _descendants(pid: int) -> list[int]:
-    """All processes that a process has started and they in turn, where the system lists them (Linux)."""
-    found = []
-    for children in Path("/proc").glob(f"{pid}/task/*/children"):
-        with suppress(OSError):
-            for child in map(int, children.read_text().split()):
-                found += [child, *_descendants(child)]
-    return found
+def end_family(pid: int) -> None:
+    """End a process and all that it has started, and they in turn."""
+    import psutil
+
+    for process in _family(pid):
+        with suppress(psutil.Error):
+            process.kill()
+
+
+def _family(pid: int) -> "list[Process]":
+    import psutil
+
+    try:
+        process = psutil.Process(pid)
+        return [process, *process.children(recursive=True)]
+    except psutil.Error:
+        return []
+
+
+def _resident(pid: int) -> int:
+    """Bytes that a process and all that it has started hold in memory, but for what they share."""
+    import psutil
+
+    total = 0
+    for process in _family(pid):
+        with suppress(psutil.Error):
+            held = process.memory_info()
+            total += held.rss - getattr(held, "shared", 0)
+    return total

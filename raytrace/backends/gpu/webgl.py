@@ -1,6 +1,7 @@
 """WebGL2 in a browser: Chromium, headless, by Playwright; SwiftShader where there is no GPU."""
 
 import base64
+import os
 import shutil
 from importlib import resources
 from typing import Any
@@ -14,7 +15,6 @@ __all__ = ["WebGL", "chromium"]
 #: The names that Chromium's command has.
 _COMMANDS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 _FLAGS = (
-    "--no-sandbox",  # Chromium refuses to run as root with it
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--disable-background-networking",
@@ -33,7 +33,9 @@ def chromium(playwright: Any) -> Any:
     if command is None:
         raise Unavailable("needs Chromium: apt-get install chromium")
     try:
-        return playwright.chromium.launch(executable_path=command, args=list(_FLAGS))
+        # Chromium refuses to run as root with its sandbox, and Playwright leaves it out unless it is asked for.
+        root = getattr(os, "geteuid", lambda: 1)() == 0
+        return playwright.chromium.launch(executable_path=command, args=list(_FLAGS), chromium_sandbox=not root)
     except Exception as error:
         reason = " ".join(str(error).split())[:200]
         raise Unavailable(

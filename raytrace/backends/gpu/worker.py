@@ -3,6 +3,8 @@
 It reads requests, pickled (method, arguments), from standard input, and answers each with a line of JSON on standard
 output, {"value": ...} or {"refusal": its kind, "message": ..., "stage": ...}, until the input ends. So what this
 process sends, which runs foreign code, is data. An image is written to a file that the asker maps.
+
+A second process, its guard, waits for the asker's end, and then ends this one with all that it has started.
 """
 
 import json
@@ -17,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from raytrace.backends.gpu.drawing import ShaderRejected, Unavailable
+from raytrace.backends.gpu.process import end_family
 
 __all__ = ["main"]
 
@@ -24,8 +27,13 @@ __all__ = ["main"]
 ENGINES = {"opengl": ("raytrace.backends.gpu.opengl", "OpenGL"), "webgl": ("raytrace.backends.gpu.webgl", "WebGL")}
 
 
-def main(name: str) -> None:
-    """Serves the engine of that name."""
+def main(name: str, alive: int | None = None) -> None:
+    """Serves the engine of that name.
+
+    alive: the reading end of a pipe whose other end is the asker's; it ends with the asker.
+    """
+    if alive is not None:
+        _guard(alive)
     # Ctrl-C is for the process that asks, which ends this one.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # Whatever a driver prints must not come between the answers.
@@ -50,6 +58,21 @@ def main(name: str) -> None:
         engine.close()
 
 
+def _guard(alive: int) -> None:
+    """Starts the guard: a driver may hold this process for minutes, and it would not see that the asker is gone."""
+    worker = os.getpid()
+    if os.fork():
+        os.close(alive)
+        return
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for stream in (0, 1, 2):
+        os.close(stream)  # the answers end when the worker does
+    os.read(alive, 1)
+    if os.getppid() == worker:
+        end_family(worker)
+    os._exit(0)
+
+
 def _answer(engine: Any, method: str, arguments: tuple) -> Any:
     if method == "about":
         return engine.about()
@@ -62,4 +85,4 @@ def _answer(engine: Any, method: str, arguments: tuple) -> Any:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(sys.argv[1], *map(int, sys.argv[2:]))

@@ -1,0 +1,90 @@
+"""The engines' processes: what they may take, and when they end."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import psutil
+import pytest
+
+import raytrace
+from raytrace.backends.gpu.drawing import ShaderProgram
+from raytrace.backends.gpu.process import EngineProcess
+from raytrace.glsl import vertex_shader
+from tests.engines import need
+
+ASKER = """
+from raytrace.backends.gpu.process import engine_process
+process = engine_process({engine!r})
+process.about()
+print(process._process.pid, flush=True)
+{then}
+"""
+
+
+def bomb(levels):
+    """A text that is 10**levels times as long for a compiler."""
+    powers = "".join(f"#define A{i} {' '.join([f'A{i - 1}'] * 10)}\n" for i in range(1, levels + 1))
+    head = "#version 300 es\nprecision highp float; out vec4 color;\n#define A0 x += sin(x);\n"
+    return ShaderProgram(
+        vertex_shader(), f"{head}{powers}void main(){{ float x = 0.;\nA{levels}\ncolor = vec4(x); }}\n"
+    )
+
+
+def test_memory_has_a_limit(engine):
+    need(engine)
+    process = EngineProcess(engine, memory=600 << 20)
+    process.about()
+    with pytest.raises(
+        raytrace.EngineFailure, match=rf"^backend {engine}: (took more than 0\.6 GiB|the engine crashed)"
+    ):
+        process.active_uniforms(bomb(8), limit=100.0)
+    assert process.about()  # the next one starts anew
+    process.stop()
+
+
+def family(pid):
+    process = psutil.Process(pid)
+    return [process, *process.children(recursive=True)]
+
+
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGHUP])
+def test_the_engine_ends_with_who_asked(engine, end):
+    need(engine)
+    code = ASKER.format(engine=engine, then="import time; time.sleep(100)")
+    with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as asker:
+        processes = family(int(asker.stdout.readline()))
+        assert len(processes) > 1  # its guard, at least
+        os.kill(asker.pid, end)
+        asker.wait()
+    _, alive = psutil.wait_procs(processes, timeout=10)
+    assert alive == []
+
+
+def test_a_thread_that_asked_may_end(engine):
+    """Linux would end a child with the thread that started it, were that asked for."""
+    need(engine)
+    process = EngineProcess(engine)
+    thread = threading.Thread(target=process.about)
+    thread.start()
+    thread.join()
+    time.sleep(0.3)
+    assert process._process.poll() is None
+    process.stop()
+
+
+def test_the_start_takes_none_of_the_shaders_time(engine, tmp_path):
+    """Chromium needs a second or more."""
+    need(engine)
+    shader = tmp_path / "a.frag"
+    shader.write_text("#version 300 es\nprecision highp float; out vec4 c; void main(){ c = vec4(1.); }")
+    code = ASKER.format(
+        engine=engine,
+        then=f"process.stop()\nimport raytrace\nraytrace.render('sphere', (4, 4), backend={engine!r}, "
+        f"shader={str(shader)!r}, time_limit=0.9)\nprint('drawn')",
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout.endswith("drawn\n"), done.stderr
