@@ -8,17 +8,18 @@ import numpy as np
 
 from raytrace.certificates.certificate import Certificate
 from raytrace.comparison.inputs import KINDS
+from raytrace.comparison.wrong_storage import WHITES
 from raytrace.errors import InputError, check_choice
 from raytrace.image.depth import Depth, coarsest_depth, values_of
 from raytrace.rendering import render
 
-__all__ = ["Cluster", "Verification", "verify"]
+__all__ = ["PROPOSAL", "Cluster", "Verification", "proposal", "verify"]
 
 #: Pixels outside that are this near to each other belong together.
 _NEAR = 8
 
-#: What is said of an image of linear light that keeps the bounds only as display values.
-HOLDS_DISPLAY = "as display values it is inside at every pixel: give --display"
+#: What is said of an image that keeps the bounds only if it is read otherwise than it was.
+PROPOSAL = "it is inside at every pixel"
 
 
 class Cluster(NamedTuple):
@@ -49,6 +50,11 @@ class Verification:
     image: np.ndarray
     by: np.ndarray
     depth: Depth
+
+    @cached_property
+    def not_finite(self) -> np.ndarray:
+        """Which of the image's values, (height, width, 3), are NaN or infinite."""
+        return ~np.isfinite(self.image)
 
     @property
     def inside(self) -> bool:
@@ -99,9 +105,10 @@ class Verification:
         return names
 
     def marked(self) -> np.ndarray:
-        """The image (height, width, 3), grey and darker, with the pixels outside in red."""
+        """The image (height, width, 3), grey and darker, with the pixels outside in red, NaN and infinity in blue."""
         grey = 0.6 * np.clip(self.image, 0, 1).mean(axis=-1, keepdims=True).repeat(3, axis=-1)
         grey[self.by > 0] = (1.0, 0.1, 0.05)
+        grey[self.not_finite.any(axis=-1)] = (0.1, 0.3, 1.0)
         return grey
 
     def __str__(self) -> str:
@@ -109,20 +116,27 @@ class Verification:
         if self.inside:
             return f"inside at every pixel ({pixels}), precision {self.certificate.precision}"
         lines = [f"outside at {outside} of {pixels} pixels, by up to {self.by.max():.3g}"]
+        if self.not_finite.any():
+            y, x, channel = np.argwhere(self.not_finite)[0]
+            lines.append(
+                f"  {self.not_finite.sum()} of {self.image.size} values are NaN or infinite; the first one is "
+                f"{self.image[y, x, channel]} at x {x}, y {y} in {('red', 'green', 'blue')[channel]}"
+            )
         lines += [f"  {cluster}" for cluster in self.clusters[:8]]
         if len(self.clusters) > 8:
             lines.append(f"  and {len(self.clusters) - 8} more places")
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain types, for JSON."""
+        """As plain types that strict JSON holds: what is not finite is a text."""
         return {
             "inside": self.inside,
             "outside": int((self.by > 0).sum()),
-            "by": float(self.by.max()),
+            "by": _plain(float(self.by.max())),
+            "not_finite": int(self.not_finite.sum()),
             "depth": str(self.depth),
             "of_8_bits": self.of_8_bits,
-            "clusters": [cluster._asdict() for cluster in self.clusters],
+            "clusters": [cluster._asdict() | {"by": _plain(cluster.by)} for cluster in self.clusters],
             "certificate": self.certificate.to_dict(),
         }
 
@@ -156,6 +170,26 @@ def verify(image: Any, certificate: Certificate, values: str = "display", depth:
     return Verification(certificate, image, np.where(np.isnan(by), np.inf, np.maximum(by, 0)), depth)
 
 
-def only_as_display(image: Any, certificate: Certificate, kind: str, depth: Depth | None) -> bool:
-    """Return whether an image that is outside as linear light is inside as display values; see `verify`."""
-    return kind == "linear" and verify(image, certificate, "display", depth).inside
+def _plain(number: float) -> float | str:
+    return number if np.isfinite(number) else str(number)
+
+
+def proposal(image: Any, certificate: Certificate, kind: str, depth: Depth | None) -> str | None:
+    """Return how an image that is outside has to be read, or should have been stored, to be inside; see `verify`.
+
+    kind: what it was taken for. ``None`` if nothing of that kind explains it.
+    """
+    if kind == "linear" and verify(image, certificate, "display", depth).inside:
+        return f"as display values {PROPOSAL}: give --display"
+    depth = depth or coarsest_depth(image)
+    values = values_of(image)
+    low, high = certificate.bounds.display
+    if not depth.floating and ((values + depth.unit >= low) & (values - 1e-6 * depth.unit <= high)).all():
+        return f"as values that were cut off {PROPOSAL}: round them to {depth}, as floor(255*x + 0.5) does"
+    for white in WHITES:
+        if values.max() > 0.2 * white:
+            # A file of such values has whole ones, often, which are rounded by half of one.
+            scaled, slack = values / white, 0.5 / white
+            if ((scaled + slack >= low) & (scaled - slack <= high)).all():
+                return f"with {white} for white {PROPOSAL}: store values from 0 to 1"
+    return None

@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from raytrace.certificates.verify import HOLDS_DISPLAY, only_as_display
+from raytrace.certificates.verify import proposal
 from raytrace.cli.options import Changes, Layer, Scene, Size, check_outputs, progress, size_of, taking_options
 from raytrace.errors import InputError
 from raytrace.image.depth import Depth
@@ -100,8 +100,9 @@ def verify(
         write_image(marked, found.marked())
     print(json.dumps(found.to_dict(), indent=1) if as_json else found)
     if not found.inside:
-        if not linear and not as_json and only_as_display(values, bounds, kind, depth):
-            print(HOLDS_DISPLAY)
+        proposed = None if linear or as_json else proposal(values, bounds, kind, depth)
+        if proposed is not None:
+            print(proposed)
         raise typer.Exit(1)
 
 

@@ -13,6 +13,7 @@ from raytrace.comparison.diagnosis import Diagnosis, diagnosis
 from raytrace.comparison.inputs import comparable
 from raytrace.comparison.reference import Reference
 from raytrace.comparison.regions import Part, regions
+from raytrace.comparison.wrong_storage import storage_mistake
 from raytrace.image import Depth
 from raytrace.scene import Scene
 from raytrace.tables import html_table, text_table
@@ -30,7 +31,8 @@ class Comparison:
     psnr: in decibels, infinite for equal images; rmse and largest: absolute differences.
     over: the number of pixels that differ by more than 1/255 in any channel; share: of all pixels.
     delta_e, flip: CIEDE2000 and FLIP.
-    searched: whether mistakes were sought: they are not where no pixel differs by more than 1/255.
+    searched: whether mistakes were sought: but for those in how values are stored, they are not where no pixel differs
+        by more than 1/255.
     diagnosis: the mistake that was found, if any; see `raytrace.comparison.diagnosis`.
     regions: the pixels over 1/255 by parts of the scene; empty where no scene is known or no pixel is over.
     images: the display values, float64 (height, width, 3).
@@ -151,7 +153,8 @@ def compare(
     images, depth, names, known = comparable((a, b), names, kinds, scene, size, layer)
     over = metrics.pixels_over(*images)
     height, width = over.shape
-    search = diagnose and bool(over.any())
+    stored = storage_mistake(*images, depth) if diagnose else None
+    search = diagnose and (stored is not None or bool(over.any()))
     reference = Reference(known, width, height) if search and known is not None else None
     return Comparison(
         names=names,
@@ -165,7 +168,7 @@ def compare(
         delta_e=metrics.delta_e(*images),
         flip=metrics.flip(*images),
         searched=search,
-        diagnosis=diagnosis(*images, reference) if search else None,
+        diagnosis=stored or (diagnosis(*images, reference) if search else None),
         regions=() if reference is None else regions(over, reference),
         images=images,
     )

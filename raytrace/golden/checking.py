@@ -7,7 +7,7 @@ from typing import Any
 
 from raytrace.certificates import Verification, read_certificate, verify
 from raytrace.certificates.certificate import check_specification
-from raytrace.certificates.verify import HOLDS_DISPLAY, only_as_display
+from raytrace.certificates.verify import PROPOSAL, proposal
 from raytrace.comparison import Comparison, failures
 from raytrace.comparison.inputs import Picture, read_picture
 from raytrace.errors import EngineFailure, InputError
@@ -50,8 +50,9 @@ class Checked:
             line += f", {outside} outside the bounds" if outside else ", inside the bounds"
         if not self.failed:
             return line
-        if HOLDS_DISPLAY in self.failed:
-            return f"{line}: {HOLDS_DISPLAY}"
+        proposed = next((said for said in self.failed if PROPOSAL in said), None)
+        if proposed is not None:
+            return f"{line}: {proposed}"
         return f"{line}: {c.diagnosis or '; '.join(self.failed)}"
 
     def to_dict(self) -> dict[str, Any]:
@@ -108,12 +109,9 @@ class GoldenFolder:
         else:
             verification = verify(image, certificate)
         outside = () if verification.inside else tuple(str(verification).splitlines()[:2])
-        if (
-            outside
-            and isinstance(image, Picture)
-            and only_as_display(image.values, certificate, image.kind, image.depth)
-        ):
-            outside = (*outside, HOLDS_DISPLAY)
+        if outside and isinstance(image, Picture):
+            proposed = proposal(image.values, certificate, image.kind, image.depth)
+            outside = outside if proposed is None else (*outside, proposed)
         return Checked(name, (*outside, *failures(comparison, asked)), comparison, verification)
 
 
