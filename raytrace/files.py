@@ -13,10 +13,14 @@ from raytrace.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_figure", "parsed_toml", "read_text", "reason", "save_figure", "whole_file"]
+__all__ = ["check_figure", "parsed_toml", "read_text", "reason", "remove_unfinished", "save_figure", "whole_file"]
 
 #: What a figure's file can be called.
 FIGURES = (".svg", ".png")
+
+
+#: What `whole_file` is writing.
+_unfinished: set[Path] = set()
 
 
 def reason(error: OSError) -> str:
@@ -78,6 +82,7 @@ def whole_file(path: Path, durable: bool = True) -> Iterator[Path]:
     if os.path.exists(path) and not os.access(path, os.W_OK):
         raise InputError(f"{shown}: cannot be written: permission denied")
     temporary = path.with_name(f".{path.stem[:32]}-{secrets.token_hex(4)}{path.suffix}")
+    _unfinished.add(temporary)
     try:
         # With the permissions of any new file.
         os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
@@ -92,6 +97,14 @@ def whole_file(path: Path, durable: bool = True) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+        _unfinished.discard(temporary)
+
+
+def remove_unfinished() -> None:
+    """Remove the files that are not whole yet, for a process that ends at once, whatever its threads do."""
+    for path in list(_unfinished):
+        with suppress(OSError):
+            path.unlink()
 
 
 def _to_disk(path: Path) -> None:

@@ -3,7 +3,10 @@
 import io
 import os
 import signal
+import socket
 import sys
+import threading
+import time
 from importlib.metadata import version
 from types import ModuleType
 from typing import Annotated, Any
@@ -23,7 +26,7 @@ from raytrace.cli.render import pixel, render
 from raytrace.cli.scenes import list_scenes, show
 from raytrace.cli.stress import stress
 from raytrace.errors import EngineFailure, InputError
-from raytrace.files import reason
+from raytrace.files import reason, remove_unfinished
 from raytrace.image.reading import LARGEST, largest_image
 
 __all__ = ["app", "run"]
@@ -77,6 +80,8 @@ LONGEST_LINE = 290
 
 _RAN_AND_FAILED = 1
 _INTERRUPTED = 130
+#: Seconds in which the program may end by itself after a signal.
+_GRACE = 3.0
 
 
 def run() -> None:
@@ -88,6 +93,7 @@ def run() -> None:
         ending = getattr(signal, name, None)  # not every system has them all
         if ending is not None and signal.getsignal(ending) != signal.SIG_IGN:
             signal.signal(ending, lambda number, _: sys.exit(128 + number))
+    _ending_soon()
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a file's name need not be UTF-8
     wrapt.register_post_import_hook(_with_all_cores, "jax")
@@ -114,6 +120,28 @@ def run() -> None:
     # Not by way of the interpreter's end: after an interruption XLA may still be computing in a thread of its own,
     # and would crash when the interpreter is taken down under it.
     os._exit(code if isinstance(code, int) else 1 if code else 0)
+
+
+def _ending_soon() -> None:
+    """Ends the process some seconds after a signal, when Python cannot: a compiler, or other hosts, may take minutes.
+
+    Python's own handlers wait for them. What the system says of a signal at once, a thread can read.
+    """
+    heard, told = socket.socketpair()
+    told.setblocking(False)
+    signal.set_wakeup_fd(told.detach(), warn_on_full_buffer=False)
+
+    def watch() -> None:
+        number = heard.recv(1)[0]
+        if number == signal.SIGINT and signal.getsignal(number) is signal.SIG_IGN:
+            return
+        time.sleep(_GRACE)
+        remove_unfinished()
+        if number == signal.SIGINT:
+            _failed("interrupted")
+        os._exit(128 + number)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _with_all_cores(jax: ModuleType) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from raytrace.backends.jax.cluster import cluster
+from raytrace.backends.jax.cluster import WAIT, cluster
 from raytrace.cli.options import Changes, Scene, check_outputs, progress, taking_options
 from raytrace.errors import InputError
 from raytrace.image import file_format, image_file
@@ -48,8 +48,9 @@ def render(
     coordinator: Annotated[
         str | None, typer.Option(help="HOST:PORT of process 0, where several processes render one image.")
     ] = None,
-    hosts: Annotated[int | None, typer.Option(min=1, help="How many processes there are.")] = None,
+    hosts: Annotated[int | None, typer.Option(help="How many processes there are.")] = None,
     process_id: Annotated[int | None, typer.Option(min=0, help="Which of them this is; 0 writes the file.")] = None,
+    wait: Annotated[float, typer.Option(help="Seconds in which all of them must have come.")] = WAIT,
     scheduled: Annotated[
         bool, typer.Option("--cluster", help="The same, as the cluster's scheduler says: Slurm, MPI, Kubernetes.")
     ] = False,
@@ -62,7 +63,7 @@ def render(
         raise InputError(f"backend {options.backend}: only jax renders on several hosts")
     with (
         _programs(options.backend, cache),
-        cluster(coordinator, hosts, process_id) if together else nullcontext(True) as writes,
+        cluster(coordinator, hosts, process_id, wait) if together else nullcontext(True) as writes,
     ):
         output = options.output or file_format(out).output
         rendering = Rendering(replace(options, scene=load_scene(scene, changes), output=output))

@@ -6,6 +6,7 @@ import re
 import socket
 import subprocess
 import sys
+import time
 from contextlib import ExitStack
 
 import numpy as np
@@ -102,11 +103,53 @@ def test_two_processes_render_one_image(tmp_path):
     np.testing.assert_array_equal(raytrace.read_image(alone), raytrace.read_image(together))
 
 
+@pytest.mark.parametrize(
+    ("coordinator", "process_id", "told"),
+    [
+        ("127.0.0.1:{free}", 0, "1 of 2 processes did not come"),
+        ("127.0.0.1:{free}", 1, "process 1 of 2 could not join"),
+        ("127.0.0.1:{taken}", 0, "cannot be used: address already in use"),
+        ("127.0.0.1:{taken}", 1, "process 1 of 2 could not join"),
+        ("no-such-host.invalid:{free}", 1, "is no host's name"),
+    ],
+)
+def test_who_does_not_come_is_one_line(tmp_path, coordinator, process_id, told):
+    with socket.create_server(("", 0)) as taken:
+        coordinator = coordinator.format(free=free_port(), taken=taken.getsockname()[1])
+        args = ["--coordinator", coordinator, "--hosts", "2", "--process-id", process_id, "--wait", "3"]
+        begun = time.monotonic()
+        ended = command("render", "skybox", *args, cwd=tmp_path)
+    assert time.monotonic() - begun < 15
+    assert ended.returncode == 1, ended.stderr
+    assert told in ended.stderr
+    assert ended.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("ended", some([0, 1], 1))
+def test_one_that_is_ended_ends_the_others(tmp_path, ended):
+    joined = ["--coordinator", f"127.0.0.1:{free_port()}", "--hosts", "2", "--size", "16000x16000"]
+    args = [*COMMAND, "render", "checkerboard", "-o", str(tmp_path / "a.exr"), *joined, "--process-id"]
+    with ExitStack() as stack:
+        processes = [stack.enter_context(started([*args, str(i)], stderr=subprocess.PIPE, text=True)) for i in range(2)]
+        while not list(tmp_path.iterdir()):  # its first rows are drawn
+            assert all(process.poll() is None for process in processes)
+            time.sleep(0.1)
+        processes[ended].terminate()
+        said = [process.communicate(timeout=30)[1] for process in processes]
+    assert [process.returncode for process in processes] == [143 if i == ended else 1 for i in range(2)]
+    assert said[1 - ended].splitlines()[-1] == f"raytrace: process {ended} of 2 has ended"
+    assert not list(tmp_path.iterdir())
+
+
 #: Arguments of the command, and what it says of them.
 BAD_INPUT = [
     (["--hosts", "2"], "give all three"),
     (["--coordinator", "localhost:1", "--hosts", "2", "--process-id", "2"], "must be from 0 to 1"),
     (["--coordinator", "localhost", "--hosts", "2", "--process-id", "0"], "must be HOST:PORT"),
+    (["--coordinator", "localhost:99999", "--hosts", "2", "--process-id", "0"], "must be HOST:PORT"),
+    (["--coordinator", "localhost:1", "--hosts", "1000000000", "--process-id", "0"], "must be from 1 to 4096"),
+    (["--coordinator", "localhost:1", "--hosts", "2", "--process-id", "0", "--wait", "inf"], "wait: must be"),
     (["--cluster"], "no scheduler"),
     (["--cluster", "--backend", "numpy"], "only jax"),
 ]
