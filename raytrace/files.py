@@ -73,6 +73,8 @@ def whole_file(path: Path, durable: bool = True) -> Iterator[Path]:
         InputError: the folder is missing, nothing can be written there, or the disk is full.
     """
     shown, path = path, Path(os.path.realpath(path))  # a link stays, and what it leads to is written
+    if path.suffix.lower() != shown.suffix.lower():
+        raise InputError(f"{shown}: is a link to {path}, whose ending is another; give that file's name")
     if not os.path.isdir(path.parent):
         raise InputError(f"{shown}: the folder {shown.parent} does not exist")
     if os.path.isdir(path):

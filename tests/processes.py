@@ -29,7 +29,7 @@ _SERVER = (
     _AS_FROM_A_TERMINAL
     + """
 import json, os, sys
-import numpy, raytrace.cli
+import jax, numpy, raytrace.cli
 for line in sys.stdin:
     asked = json.loads(line)
     child = os.fork()
@@ -39,6 +39,7 @@ for line in sys.stdin:
         os.environ.update(asked["environment"])
         for number, path in ((0, os.devnull), (1, asked["out"]), (2, asked["err"])):
             os.dup2(os.open(path, os.O_RDWR), number)
+        signal.alarm(asked["limit"])
         sys.argv = ["raytrace", *asked["arguments"]]
         raytrace.cli.run()
     print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
@@ -57,11 +58,14 @@ def _server() -> subprocess.Popen:
     )
 
 
-def command(*arguments: object, cwd: str | Path | None = None) -> subprocess.CompletedProcess:
-    """Run the command `raytrace` in a process of its own; return it with its output as text, however it ended."""
+def command(*arguments: object, cwd: str | Path | None = None, limit: int = 0) -> subprocess.CompletedProcess:
+    """Run the command `raytrace` in a process of its own; return it with its output as text, however it ended.
+
+    limit: seconds after which SIGALRM ends it; 0 for none.
+    """
     arguments = [str(argument) for argument in arguments]
     with tempfile.NamedTemporaryFile("r") as out, tempfile.NamedTemporaryFile("r") as err:
-        place = {"cwd": str(cwd or Path.cwd()), "out": out.name, "err": err.name}
+        place = {"cwd": str(cwd or Path.cwd()), "out": out.name, "err": err.name, "limit": limit}
         server = _server()
         server.stdin.write(json.dumps({"arguments": arguments, "environment": dict(os.environ), **place}) + "\n")
         server.stdin.flush()

@@ -4,6 +4,7 @@ import json
 import os
 import pty
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -273,3 +274,19 @@ def test_an_output_that_is_an_input_is_refused():
         assert done.returncode == 2
         assert "is an input, too" in done.stderr or "ending" in done.stderr
     assert {path: path.read_bytes() for path in Path().iterdir()} == before
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a POSIX shell")
+@pytest.mark.parametrize("closed", ["2>&-", ">&-", "<&- >&- 2>&-"])
+def test_a_closed_stream_is_no_file(closed, tmp_path):
+    """The lowest free number is that of the next file that is opened: messages would be written into it."""
+    image = tmp_path / "a.png"
+    raytrace.write_image(image, np.full((16, 16, 3), 0.5))
+    before = image.read_bytes()
+    line = shlex.join([sys.executable, "-m", "raytrace", "compare", str(image), str(image)])
+    assert subprocess.run(f"{line} {closed}", shell=True, capture_output=True).returncode == 0
+    (tmp_path / "b.png").write_bytes(before[:200])
+    line = shlex.join([sys.executable, "-m", "raytrace", "compare", str(image), str(tmp_path / "b.png")])
+    assert subprocess.run(f"{line} {closed}", shell=True, capture_output=True).returncode == 2
+    assert image.read_bytes() == before
+    assert (tmp_path / "b.png").read_bytes() == before[:200]

@@ -53,7 +53,11 @@ class Renderer(Protocol):
 
 
 def renderer(backend: str, uniforms: Uniforms, job: Job) -> Renderer:
-    """The renderer of the backend of that name."""
+    """The renderer of the backend of that name.
+
+    Raises:
+        InputError: it cannot be had here, or not for this job.
+    """
     if job.shader is not None:
         from raytrace.backends.gpu.foreign import ForeignRenderer
 

@@ -87,6 +87,12 @@ _GRACE = 3.0
 def run() -> None:
     """The command `raytrace`: 0 if all went well, 2 for bad input, with one line that says what; 130 for Ctrl-C;
     1 where something ran and failed."""
+    # As 2>&- leaves it: the next file that is opened would be what messages are written to.
+    for stream in (0, 1, 2):
+        try:
+            os.fstat(stream)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
     # As `timeout` and service managers end a process: it cleans up behind itself then too. A signal that is ignored, as
     # under `nohup`, stays ignored; so does SIGINT in a background job, which Python sees to.
     for name in ("SIGTERM", "SIGHUP", "SIGQUIT"):

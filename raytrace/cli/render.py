@@ -4,11 +4,10 @@ import time
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
-from raytrace.backends.jax.cluster import WAIT, cluster
 from raytrace.cli.options import Changes, Scene, check_outputs, progress, taking_options
 from raytrace.errors import InputError
 from raytrace.image import file_format, image_file
@@ -50,7 +49,7 @@ def render(
     ] = None,
     hosts: Annotated[int | None, typer.Option(help="How many processes there are.")] = None,
     process_id: Annotated[int | None, typer.Option(min=0, help="Which of them this is; 0 writes the file.")] = None,
-    wait: Annotated[float, typer.Option(help="Seconds in which all of them must have come.")] = WAIT,
+    wait: Annotated[float, typer.Option(help="Seconds in which all of them must have come.")] = 60.0,
     scheduled: Annotated[
         bool, typer.Option("--cluster", help="The same, as the cluster's scheduler says: Slurm, MPI, Kubernetes.")
     ] = False,
@@ -61,10 +60,7 @@ def render(
     together = scheduled or any(value is not None for value in (coordinator, hosts, process_id))
     if together and options.backend != "jax":
         raise InputError(f"backend {options.backend}: only jax renders on several hosts")
-    with (
-        _programs(options.backend, cache),
-        cluster(coordinator, hosts, process_id, wait) if together else nullcontext(True) as writes,
-    ):
+    with _programs(options.backend, cache), _joined(together, coordinator, hosts, process_id, wait) as writes:
         output = options.output or file_format(out).output
         rendering = Rendering(replace(options, scene=load_scene(scene, changes), output=output))
         if writes:
@@ -73,6 +69,15 @@ def render(
             rendering.compile()
             for _ in rendering.bands():
                 pass  # process 0 has it too
+
+
+def _joined(together: bool, *cluster_of: Any) -> AbstractContextManager[bool]:
+    """Whether this process writes the file: of those that render together only one does."""
+    if not together:
+        return nullcontext(True)
+    from raytrace.backends.jax.cluster import cluster
+
+    return cluster(*cluster_of)
 
 
 def _programs(backend: str, cache: bool) -> AbstractContextManager:

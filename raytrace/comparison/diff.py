@@ -40,13 +40,13 @@ def _figure(comparison: Comparison) -> Any:
     axes = figure.subplot_mosaic([["a", "b"], ["difference", "difference"]], height_ratios=[1, 1.8])
     for name, image, title in zip("ab", (a, b), comparison.names, strict=True):
         axes[name].imshow(np.clip(image, 0, 1))
-        axes[name].set_title(f"{name.upper()}: {title}", fontsize=10)
+        axes[name].set_title(f"{name.upper()}: {title}", fontsize=10, parse_math=False)
     _difference(figure, axes["difference"], steps)
     for axis in axes.values():
         axis.set_xticks([])
         axis.set_yticks([])
         _mark(axis, steps)
-    axes["difference"].set_title(_summary(comparison), fontsize=10)
+    axes["difference"].set_title(_summary(comparison), fontsize=10, parse_math=False)
     return figure
 
 

@@ -14,7 +14,10 @@ _QUIETENING = threading.Lock()
 
 def complaint_of(source: Any) -> str:
     """The last line of what a file of OpenImageIO, or the library itself, has to complain of; empty if nothing."""
-    lines = source.geterror().strip().splitlines()
+    try:
+        lines = source.geterror().strip().splitlines()
+    except UnicodeDecodeError:
+        return "its texts are damaged"  # they stand in the message
     return lines[-1] if lines else ""
 
 

@@ -191,7 +191,11 @@ def _upright(pixels: np.ndarray, orientation: int) -> np.ndarray:
 
 
 def _metadata(spec: Any, path: Path) -> dict[str, str]:
-    return metadata_of({attribute.name: attribute.value for attribute in spec.extra_attribs}, path)
+    try:
+        texts = {attribute.name: attribute.value for attribute in spec.extra_attribs}
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: its texts are damaged: not UTF-8") from None
+    return metadata_of(texts, path)
 
 
 def _depth(spec: Any, channels: Any) -> Depth:

@@ -69,7 +69,7 @@ class Pictures:
             axes = figure.add_subplot(rows, self.columns, number + 1)
             axes.set_axis_off()
             if number < len(self.titles):
-                axes.set_title(self.titles[number], fontsize=10)
+                axes.set_title(self.titles[number], fontsize=10, parse_math=False)
             if image.ndim == 3:
                 axes.imshow(np.clip(image, 0, 1))
             else:

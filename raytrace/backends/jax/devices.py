@@ -10,8 +10,9 @@ import numpy as np
 from jax.sharding import Mesh
 
 from raytrace.cores import cores
+from raytrace.errors import InputError
 
-__all__ = ["AXIS", "fetched", "hint_at_cores", "mesh", "one_device", "use_all_cores", "x64_mode"]
+__all__ = ["AXIS", "check_devices", "fetched", "hint_at_cores", "mesh", "one_device", "use_all_cores", "x64_mode"]
 
 LOG = logging.getLogger("raytrace")
 
@@ -66,14 +67,50 @@ def x64_mode() -> bool:
 
 def mesh() -> Mesh:
     """All devices, those of other processes too; JAX's default device alone if the user has chosen one."""
-    default = CONFIG.jax_default_device
+    default = _default_device()
     return Mesh(np.array(jax.devices() if default is None else [default]), (AXIS,))
 
 
 def one_device() -> Mesh:
     """JAX's default device, or the first one of this process."""
-    default = CONFIG.jax_default_device
+    default = _default_device()
     return Mesh(np.array([jax.local_devices()[0] if default is None else default]), (AXIS,))
+
+
+def check_devices() -> None:
+    """Check that JAX has devices, and that it works in this process.
+
+    Raises:
+        InputError: it has none, as where JAX_PLATFORMS names what is not there; or this process was forked from one in
+            which JAX had begun.
+    """
+    if _begun_in() != os.getpid():
+        raise InputError(
+            "jax: this process was forked after JAX had begun, and would wait for ever; start it by multiprocessing's "
+            "'spawn' or 'forkserver'"
+        )
+    try:
+        jax.local_devices()
+        _default_device()
+    except (RuntimeError, AssertionError) as error:
+        said = str(error).partition("\n")[0] or "JAX knows no such platform here"
+        variables = [
+            name for name in ("JAX_PLATFORMS", "JAX_NUM_CPU_DEVICES", "JAX_DEFAULT_DEVICE") if name in os.environ
+        ]
+        asked = ", ".join(f"{name}={os.environ[name]}" for name in variables)
+        raise InputError(f"jax: has no device{f' with {asked}' if asked else ''}: {said}") from None
+
+
+@cache
+def _begun_in() -> int:
+    """The process in which JAX was first used here."""
+    return os.getpid()
+
+
+def _default_device() -> Any:
+    """The device that the user has chosen, also by its platform's name; ``None`` if none is chosen."""
+    default = CONFIG.jax_default_device
+    return jax.local_devices(backend=default)[0] if isinstance(default, str) else default
 
 
 def fetched(image: Any) -> np.ndarray:

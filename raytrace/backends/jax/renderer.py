@@ -1,5 +1,6 @@
 """A scene, compiled by JAX, and rendered."""
 
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
@@ -13,7 +14,7 @@ import numpy as np
 from jax import lax
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from raytrace.backends.jax.devices import fetched, hint_at_cores, mesh, one_device, x64_mode
+from raytrace.backends.jax.devices import check_devices, fetched, hint_at_cores, mesh, one_device, x64_mode
 from raytrace.backends.jax.draw import draw, engine_of
 from raytrace.backends.jax.forward import by_forward_mode
 from raytrace.backends.jax.packing import Layout, pack
@@ -105,6 +106,34 @@ def _given(x: Any, dtype: str, exact: bool) -> jax.Array:
     return x.astype(dtype)
 
 
+def _check_sharding(uniforms: Uniforms) -> None:
+    """Check that traced uniforms are not sharded by hand in shard_map, whose types the text's loops do not keep."""
+    for leaf in filter(lambda leaf: isinstance(leaf, jax.core.Tracer), jax.tree.leaves(uniforms)):
+        kind: Any = jax.typeof(leaf)
+        if getattr(getattr(kind, "manual_axis_type", None), "varying", None):
+            raise InputError(
+                "jax: render within shard_map: give shard_map check_vma=False, or jit a vmap of render with sharded "
+                "arguments"
+            )
+
+
+@contextmanager
+def _explicit_sharding_refused() -> Iterator[None]:
+    """Says in a line what JAX says in pages of arguments whose types are sharded: the text leaves that to the compiler.
+
+    Whether they are, a batched argument does not tell.
+    """
+    try:
+        yield
+    except ValueError as error:
+        if isinstance(error, InputError) or not re.search(r"Resource axis|device assignment", str(error)):
+            raise
+        raise InputError(
+            "jax: render of arguments with an explicitly sharded type: make the mesh with axis_types "
+            "jax.sharding.AxisType.Auto"
+        ) from None
+
+
 def _rounded(x: Any, exact: bool) -> np.ndarray:
     return np.asarray(x, np.float64 if exact else np.float32)
 
@@ -117,13 +146,17 @@ class Renderer:
     traced one is drawn by one device.
 
     Raises:
-        InputError: float64 is asked of a trace without x64.
+        InputError: float64 is asked of a trace without x64; JAX has no device, or the uniforms are sharded in a way
+            that a traced image cannot be.
     """
 
     def __init__(self, uniforms: Uniforms, job: Job):
         #: What the program depends on: not the switch that it is given when it runs.
         self.job, self.mode = replace(job, skip=True, exact_inputs=False), int(not job.skip)
+        check_devices()
         self.traced = any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(uniforms))
+        if self.traced:
+            _check_sharding(uniforms)
         #: float64 without x64 mode: switched on for as long as it takes.
         self.borrows_x64 = job.dtype == "float64" and not x64_mode()
         if self.traced and self.borrows_x64:
@@ -167,10 +200,11 @@ class Renderer:
         with self._outside():
             if self.traced:
                 drawn = _traced(self.job, count, self.devices)
-                if self.job.program.antialias == "edges":
-                    # Every edge's text is there several times over, which reverse mode takes minutes to compile.
-                    return by_forward_mode(lambda uniforms: drawn(uniforms, mode, row), self.uniforms)
-                return drawn(self.uniforms, mode, row)
+                with _explicit_sharding_refused():
+                    if self.job.program.antialias == "edges":
+                        # Every edge's text is there several times over, which reverse mode takes minutes to compile.
+                        return by_forward_mode(lambda uniforms: drawn(uniforms, mode, row), self.uniforms)
+                    return drawn(self.uniforms, mode, row)
             numbers, culled = prepared = self._prepared()
             mode, row = jax.device_put((mode, row), self._everywhere())
             images = self._program(count, prepared)(numbers, culled, mode, row)
@@ -198,6 +232,8 @@ class Renderer:
         """x64 as it is needed; and what is not traced is computed at once, even while JAX traces something else."""
         with (
             jax.enable_x64(True) if self.borrows_x64 else nullcontext(),
+            # A picture by single operations would take minutes.
+            jax.disable_jit(False),
             nullcontext() if self.traced else jax.core.eval_context(),
         ):
             yield

@@ -80,7 +80,7 @@ def plot(rows: list[Row], title: str, path: Path) -> None:
             axes.axvline(row.timing.median, color="C1", linestyle=":", zorder=1, label=row.name)
     axes.set_xlabel("milliseconds a frame (median; bars: fastest and slowest)")
     axes.set_ylabel("root mean square error of display values,\npixels on a discontinuity left out")
-    axes.set_title(title)
+    axes.set_title(title, parse_math=False)
     axes.grid(which="major", color="0.9")
     axes.margins(0.08)
     figure.legend(loc="outside right upper", fontsize=8, frameon=False, handlelength=1.2)
