@@ -12,6 +12,7 @@ import numpy as np
 
 from raytrace.backends import BACKENDS, renderer
 from raytrace.backends.job import ForeignShader, Job
+from raytrace.backends.sharding import explicit_sharding_refused
 from raytrace.errors import InputError, check_choice
 from raytrace.glsl.source import read_shader
 from raytrace.language.control import Engine
@@ -279,7 +280,8 @@ def render(options: Options) -> Any:
             backend's engine is not installed; the shader does not compile, or one of its uniforms is not bound.
         EngineFailure: a graphics engine crashed; the shader did not end in time.
     """
-    return Rendering(options).whole()
+    with explicit_sharding_refused():
+        return Rendering(options).whole()
 
 
 def check_size(size: Any) -> None:

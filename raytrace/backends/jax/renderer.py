@@ -1,6 +1,5 @@
 """A scene, compiled by JAX, and rendered."""
 
-import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
@@ -117,23 +116,6 @@ def _check_sharding(uniforms: Uniforms) -> None:
             )
 
 
-@contextmanager
-def _explicit_sharding_refused() -> Iterator[None]:
-    """Says in a line what JAX says in pages of arguments whose types are sharded: the text leaves that to the compiler.
-
-    Whether they are, a batched argument does not tell.
-    """
-    try:
-        yield
-    except ValueError as error:
-        if isinstance(error, InputError) or not re.search(r"Resource axis|device assignment", str(error)):
-            raise
-        raise InputError(
-            "jax: render of arguments with an explicitly sharded type: make the mesh with axis_types "
-            "jax.sharding.AxisType.Auto"
-        ) from None
-
-
 def _rounded(x: Any, exact: bool) -> np.ndarray:
     return np.asarray(x, np.float64 if exact else np.float32)
 
@@ -200,11 +182,10 @@ class Renderer:
         with self._outside():
             if self.traced:
                 drawn = _traced(self.job, count, self.devices)
-                with _explicit_sharding_refused():
-                    if self.job.program.antialias == "edges":
-                        # Every edge's text is there several times over, which reverse mode takes minutes to compile.
-                        return by_forward_mode(lambda uniforms: drawn(uniforms, mode, row), self.uniforms)
-                    return drawn(self.uniforms, mode, row)
+                if self.job.program.antialias == "edges":
+                    # Every edge's text is there several times over, which reverse mode takes minutes to compile.
+                    return by_forward_mode(lambda uniforms: drawn(uniforms, mode, row), self.uniforms)
+                return drawn(self.uniforms, mode, row)
             numbers, culled = prepared = self._prepared()
             mode, row = jax.device_put((mode, row), self._everywhere())
             images = self._program(count, prepared)(numbers, culled, mode, row)
