@@ -72,6 +72,8 @@ def whole_file(path: Path, durable: bool = True) -> Iterator[Path]:
     Raises:
         InputError: the folder is missing, nothing can be written there, or the disk is full.
     """
+    if "\0" in str(path):
+        raise InputError(f"{str(path)!r}: a file's name cannot hold NUL")
     shown, path = path, Path(os.path.realpath(path))  # a link stays, and what it leads to is written
     if path.suffix.lower() != shown.suffix.lower():
         raise InputError(f"{shown}: is a link to {path}, whose ending is another; give that file's name")

@@ -221,3 +221,21 @@ def test_only_regular_files_are_replaced(image):
         with pytest.raises(raytrace.InputError, match="is not a regular file"), whole_file(Path(name)):
             pass
     assert not Path("/dev/null").is_file()
+
+
+@pytest.mark.parametrize("write", [lambda path: raytrace.write_image(path, np.zeros((2, 2, 3))),
+                                   lambda path: raytrace.save_scene(raytrace.Scene(), path)])  # fmt: skip
+def test_no_name_holds_nul(write):
+    with pytest.raises(raytrace.InputError, match="cannot hold NUL"):
+        write("a\0b.png")
+
+
+def test_a_link_keeps_its_targets_format():
+    Path("b.png").symlink_to("a.exr")
+    with pytest.raises(raytrace.InputError, match=r"^b\.png: is a link to .*a\.exr, whose ending is another"):
+        raytrace.write_image("b.png", np.zeros((2, 2, 3)))
+    Path("c.png").symlink_to("d.png")
+    raytrace.write_image("c.png", np.zeros((2, 2, 3)))
+    assert Path("c.png").is_symlink()
+    assert Path("d.png").is_file()
+    assert not Path("a.exr").exists()

@@ -13,6 +13,7 @@ import pytest
 import raytrace
 from raytrace.backends.gpu.drawing import ShaderProgram
 from raytrace.backends.gpu.process import EngineProcess
+from raytrace.backends.gpu.webgl import chromium
 from raytrace.glsl import vertex_shader
 from tests.engines import need
 
@@ -88,3 +89,20 @@ def test_the_start_takes_none_of_the_shaders_time(engine, tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.stdout.endswith("drawn\n"), done.stderr
+
+
+@pytest.mark.parametrize(("user", "sandbox"), [(0, False), (1000, True)])
+def test_chromium_keeps_its_sandbox_unless_root(user, sandbox, monkeypatch):
+    asked = {}
+
+    class Playwright:
+        class chromium:
+            @staticmethod
+            def launch(**options):
+                asked.update(options)
+
+    monkeypatch.setattr("raytrace.backends.gpu.webgl.shutil.which", lambda name: f"/usr/bin/{name}")
+    monkeypatch.setattr(os, "geteuid", lambda: user, raising=False)
+    chromium(Playwright)
+    assert asked["chromium_sandbox"] is sandbox
+    assert "--no-sandbox" not in asked["args"]

@@ -18,7 +18,7 @@ def pair(size):
 
 @pytest.mark.parametrize("size", [(90, 160), (160, 30), (20, 300), (1, 1)])
 def test_a_picture_of_any_shape(size):
-    write_diff("d.png", raytrace.compare(*pair(size), names=("a_very_long_name_" * 4 + "$x$.png", "b.png")))
+    write_diff("d.png", raytrace.compare(*pair(size), names=("a_very_long_name_" * 4 + "$x$ $\\frac{$.png", "b.png")))
     picture = raytrace.read_image("d.png")
     assert min(picture.shape[:2]) > 200
     assert len(np.unique(picture)) > 10

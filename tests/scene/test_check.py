@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import raytrace
+from raytrace.scene.check import check_scene
 
 
 def refused(scene):
@@ -104,3 +105,14 @@ def test_a_choice_cannot_be_traced():
 
     with pytest.raises(raytrace.InputError, match="white_point: is a constant, which JAX cannot trace"):
         jax.grad(brightness)(4000.0)
+
+
+def test_a_view_matrix_of_columns_is_noticed():
+    matrix = np.eye(4)
+    matrix[:3, 3] = 0, 0.5, 2
+    camera = raytrace.MatrixCamera(np.diag([1.0, 1, 1, 1]), matrix)
+    check_scene(raytrace.Scene(camera=camera))
+    with pytest.raises(
+        raytrace.InputError, match=r"view_to_world must have 0 0 0 1 as its last row; is it transposed\?"
+    ):
+        check_scene(raytrace.Scene(camera=raytrace.MatrixCamera(camera.ndc_to_view, matrix.T)))
