@@ -7,7 +7,7 @@ turn, without a word, and the image is another. Two signs are put into the shade
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 __all__ = ["COUNTED", "TURNS", "Loop", "counted", "loops", "watched"]
@@ -19,6 +19,8 @@ COUNTED = "raytraceLoop"
 
 _MAIN = re.compile(r"\bvoid\s+main\s*\(")
 _HEAD = re.compile(r"\b(for|while)\s*\(")
+#: True at every pixel, which no compiler knows: it would leave out what stands behind an endless loop.
+_TRUE = "gl_FragCoord.x > -1."
 _WATCH = f"""
 uniform int {TURNS};
 void main(){{
@@ -45,7 +47,7 @@ def watched(fragment: str) -> str | None:
     """
     if not _MAIN.search(fragment):
         return None
-    return _MAIN.sub("void raytraceMain(", fragment) + _WATCH
+    return _MAIN.sub("void raytraceMain(", _conditions(fragment, lambda number: _TRUE)) + _WATCH
 
 
 def counted(fragment: str) -> str | None:
@@ -56,12 +58,7 @@ def counted(fragment: str) -> str | None:
     found = loops(fragment)
     if not found or not _MAIN.search(fragment):
         return None
-    text, place = [], 0
-    for number, loop in enumerate(found):
-        condition = fragment[loop.begin : loop.end]
-        text += [fragment[place : loop.begin], f" raytraceTurn({number}) && ({condition.strip() or 'true'})"]
-        place = loop.end
-    body = "".join([*text, fragment[place:]])
+    body = _conditions(fragment, lambda number: f"raytraceTurn({number}) && {_TRUE}")
     # Of 32 bits: GLSL ES gives an int 16, unless it is told.
     count = f"highp int raytraceTurnsOf[{len(found)}]; bool raytraceTurn(int i){{raytraceTurnsOf[i]++; return true;}}"
     ask = (
@@ -75,15 +72,28 @@ def counted(fragment: str) -> str | None:
     return head + count + rest + ask
 
 
+def _conditions(fragment: str, also: Callable[[int], str]) -> str:
+    """The text whose loops go on only if `also`, of the loop's number, is true, too."""
+    text, place = [], 0
+    for number, loop in enumerate(loops(fragment)):
+        condition = fragment[loop.begin : loop.end].strip() or "true"
+        text += [fragment[place : loop.begin], f" {also(number)} && ({condition})"]
+        place = loop.end
+    return "".join([*text, fragment[place:]])
+
+
 def loops(code: str) -> list[Loop]:
     """Return the loops of a text without comments."""
     return list(_loops(code))
 
 
 def _loops(code: str) -> Iterator[Loop]:
-    for head in _HEAD.finditer(code):
+    heads = list(_HEAD.finditer(code))
+    # No loop stands in another one's head.
+    limits = [*(head.start() for head in heads[1:]), len(code)]
+    for head, limit in zip(heads, limits, strict=False):
         depth, semicolons, end = 1, [], head.end()
-        while depth and end < len(code):
+        while depth and end < limit:
             character = code[end]
             depth += {"(": 1, ")": -1}.get(character, 0)
             if character == ";" and depth == 1:

@@ -119,7 +119,7 @@ def test_who_does_not_come_is_one_line(tmp_path, coordinator, process_id, told):
         args = ["--coordinator", coordinator, "--hosts", "2", "--process-id", process_id, "--wait", "3"]
         begun = time.monotonic()
         ended = command("render", "skybox", *args, cwd=tmp_path)
-    assert time.monotonic() - begun < 15
+    assert time.monotonic() - begun < 60
     assert ended.returncode == 1, ended.stderr
     assert told in ended.stderr
     assert ended.stderr.count("\n") == 1
@@ -136,7 +136,7 @@ def test_one_that_is_ended_ends_the_others(tmp_path, ended):
             assert all(process.poll() is None for process in processes)
             time.sleep(0.1)
         processes[ended].terminate()
-        said = [process.communicate(timeout=30)[1] for process in processes]
+        said = [process.communicate(timeout=60)[1] for process in processes]
     assert [process.returncode for process in processes] == [143 if i == ended else 1 for i in range(2)]
     assert said[1 - ended].splitlines()[-1] == f"raytrace: process {ended} of 2 has ended"
     assert not list(tmp_path.iterdir())

@@ -6,13 +6,14 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import psutil
 import pytest
 
 import raytrace
 from raytrace.backends.gpu.drawing import ShaderProgram
-from raytrace.backends.gpu.process import EngineProcess
+from raytrace.backends.gpu.process import TIME_LIMIT, EngineProcess
 from raytrace.backends.gpu.webgl import chromium
 from raytrace.glsl import vertex_shader
 from tests.engines import need
@@ -77,18 +78,20 @@ def test_a_thread_that_asked_may_end(engine):
     process.stop()
 
 
-def test_the_start_takes_none_of_the_shaders_time(engine, tmp_path):
+def test_the_start_takes_none_of_the_shaders_time(engine, monkeypatch):
     """Chromium needs a second or more."""
     need(engine)
-    shader = tmp_path / "a.frag"
-    shader.write_text("#version 300 es\nprecision highp float; out vec4 c; void main(){ c = vec4(1.); }")
-    code = ASKER.format(
-        engine=engine,
-        then=f"process.stop()\nimport raytrace\nraytrace.render('sphere', (4, 4), backend={engine!r}, "
-        f"shader={str(shader)!r}, time_limit=0.9)\nprint('drawn')",
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.stdout.endswith("drawn\n"), done.stderr
+    asked, ask = [], EngineProcess._ask
+
+    def recorded(self, method, arguments, limit, images=0):
+        asked.append((method, limit))
+        return ask(self, method, arguments, limit, images)
+
+    monkeypatch.setattr(EngineProcess, "_ask", recorded)
+    Path("a.frag").write_text("#version 300 es\nprecision highp float; out vec4 c; void main(){ c = vec4(1.); }")
+    raytrace.render("sphere", (4, 4), backend=engine, shader="a.frag", time_limit=50.0)
+    assert asked[0] == ("about", TIME_LIMIT)
+    assert {limit for method, limit in asked if method != "about"} == {50.0}
 
 
 @pytest.mark.parametrize(("user", "sandbox"), [(0, False), (1000, True)])

@@ -1,10 +1,13 @@
 """The text of a user's shader: its version, its comments, in time that grows with its length."""
 
 import time
+from contextlib import suppress
 
 import pytest
 
+from raytrace.errors import InputError
 from raytrace.glsl.source import ShaderSource, without_comments
+from raytrace.glsl.turns import loops
 
 BODY = "precision highp float;\nin vec2 uv;\nout vec4 color;\nvoid main(){ color = vec4(uv, 0., 1.); }\n"
 
@@ -59,12 +62,20 @@ def test_comments_leave_their_line_breaks(text, code):
 
 @pytest.mark.parametrize(
     "text",
-    ["#version a" + " \t" * 12_000 + "x", "/*" * 50_000, "/" * 100_000, "\n#" * 50_000, "#version" * 20_000],
-    ids=lambda text: text[:9],
+    [
+        *("#version a" + " \t" * 12_000 + "x", "/*" * 50_000, "/" * 100_000, "\n#" * 50_000, "#version" * 20_000),
+        *("layout(" * 20_000, "uniform " * 20_000, ";in " * 20_000, "uniform a{" * 20_000, ";highp " * 20_000),
+        *("highp " * 20_000, "uniform a{}" * 20_000, "for(" * 20_000, ";in a," + "b," * 20_000, "in" + " " * 50_000),
+    ],
+    ids=lambda text: text[:12],
 )
 def test_no_text_takes_long(text):
     """A square of the length would be minutes, its multiples milliseconds."""
     source, begun = ShaderSource("a.frag", text), time.process_time()
     assert source.version
     assert source.fragment
+    assert len(source.declared) <= 20_000
+    loops(source.fragment_code)
+    with suppress(InputError):
+        source.check()
     assert time.process_time() - begun < 2

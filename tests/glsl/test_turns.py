@@ -26,7 +26,7 @@ def test_what_is_no_loop():
 def test_every_loop_counts():
     text = counted(CODE)
     assert [f"raytraceTurn({i}) && " in text for i in range(5)] == [True] * 4 + [False]
-    assert "raytraceTurn(1) && (true)" in text
+    assert "raytraceTurn(1) && gl_FragCoord.x > -1. && (true)" in text
     assert text.index("raytraceTurnsOf[4]") > text.index("#extension")
 
 

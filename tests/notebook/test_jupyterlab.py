@@ -63,7 +63,11 @@ def _address(log, server):
 @pytest.fixture
 def page(browser):
     context = browser.new_context(viewport={"width": 1200, "height": 900})
-    yield context.new_page()
+    page = context.new_page()
+    # On a busy machine JupyterLab may ask something first, such as whether to wait for the kernel.
+    dialog = page.locator("dialog.jp-Dialog")
+    page.add_locator_handler(dialog.first, lambda asked: asked.locator("button.jp-mod-accept").first.click())
+    yield page
     context.close()
 
 

@@ -32,7 +32,7 @@ TIME_LIMIT = 300.0
 #: The most bytes of an answer: names of uniforms, or a compiler's log.
 LONGEST_ANSWER = 1 << 24
 
-#: Bytes that an engine's process and all that it starts may hold, beside `IMAGES` times the image that is drawn.
+#: Bytes that a process for foreign shaders, and all that it starts, may hold, beside `IMAGES` times the image.
 MEMORY_LIMIT = 2 << 30
 IMAGES = 4
 #: Seconds between two looks at them.
@@ -45,10 +45,10 @@ _MEMORY = "/dev/shm" if os.path.isdir("/dev/shm") else None
 class EngineProcess:
     """An engine in a process of its own. Every method raises what `_ask` raises.
 
-    memory: the most bytes that it may hold, beside its images.
+    memory: the most bytes that it may hold, beside its images; ``None`` for as many as it needs.
     """
 
-    def __init__(self, name: str, memory: int = MEMORY_LIMIT):
+    def __init__(self, name: str, memory: int | None = None):
         self.name, self.memory = name, memory
         self._process: subprocess.Popen | None = None
         #: An end of a pipe that nothing is written to: the system closes it when this process ends, however it does.
@@ -68,7 +68,7 @@ class EngineProcess:
         with tempfile.NamedTemporaryFile(prefix="raytrace-", dir=_MEMORY) as file:
             size = 4 * int(np.prod(drawing.shape))
             file.truncate(size)
-            self._ask("draw", (drawing, file.name), limit, self.memory + IMAGES * size)
+            self._ask("draw", (drawing, file.name), limit, IMAGES * size)
             # The mapping outlives the file.
             return np.memmap(file.name, np.float32, "r", shape=drawing.shape)[:, ::-1]
 
@@ -79,17 +79,17 @@ class EngineProcess:
             return
         end_family(process.pid)
         process.wait()
-        if self._alive is not None:
-            os.close(self._alive)
-            self._alive = None
+        alive, self._alive = self._alive, None
+        if alive is not None:
+            os.close(alive)
         for stream in filter(None, (process.stdin, process.stdout)):
             with suppress(OSError):
                 stream.close()
 
-    def _ask(self, method: str, arguments: tuple, limit: float, memory: int | None = None) -> Any:
+    def _ask(self, method: str, arguments: tuple, limit: float, images: int = 0) -> Any:
         """The engine's answer.
 
-        limit: seconds. memory: bytes; by default `self.memory`.
+        limit: seconds. images: bytes that it may hold beside `self.memory`.
 
         Raises:
             InputError: the engine is not there, or cannot do this.
@@ -101,9 +101,8 @@ class EngineProcess:
             assert process.stdin is not None
             assert process.stdout is not None
             answered, wrong = threading.Event(), []
-            watch = threading.Thread(
-                target=self._watch, args=(answered, wrong, limit, memory or self.memory), daemon=True
-            )
+            memory = None if self.memory is None else self.memory + images
+            watch = threading.Thread(target=self._watch, args=(answered, wrong, limit, memory), daemon=True)
             watch.start()
             try:
                 pickle.dump((method, arguments), process.stdin)
@@ -127,14 +126,14 @@ class EngineProcess:
             raise InputError(f"backend {self.name}: {answer['message']}")
         raise ShaderRejected(answer["message"], answer["stage"])
 
-    def _watch(self, answered: threading.Event, wrong: list[str], limit: float, memory: int) -> None:
+    def _watch(self, answered: threading.Event, wrong: list[str], limit: float, memory: int | None) -> None:
         """Ends the process when it takes longer, or more bytes, than it may, and says so in `wrong`."""
         process, end = self._process, time.monotonic() + limit
         assert process is not None
         while not answered.wait(max(0.0, min(_LOOKS, end - time.monotonic()))):
             if time.monotonic() >= end:
                 wrong.append(f"did not finish within {limit:g} s")
-            elif _resident(process.pid) > memory:
+            elif memory is not None and _resident(process.pid) > memory:
                 wrong.append(f"took more than {memory / (1 << 30):.1f} GiB of memory")
             if wrong:
                 self.stop()
@@ -169,8 +168,11 @@ class EngineProcess:
 
 @cache
 def engine_process(name: str, foreign: bool = False) -> EngineProcess:
-    """The process of the engine of that name, one for all who ask; `foreign` gives one apart, for foreign shaders."""
-    process = EngineProcess(name)
+    """The process of the engine of that name, one for all who ask.
+
+    foreign: gives one apart, for foreign shaders, whose memory is limited.
+    """
+    process = EngineProcess(name, MEMORY_LIMIT if foreign else None)
     atexit.register(process.stop)
     return process
 
