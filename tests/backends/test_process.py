@@ -18,7 +18,10 @@ from raytrace.backends.gpu.webgl import chromium
 from raytrace.glsl import vertex_shader
 from tests.engines import need
 
+#: Under `nohup` a child would ignore SIGHUP as the suite does.
 ASKER = """
+import signal
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 from raytrace.backends.gpu.process import engine_process
 process = engine_process({engine!r})
 process.about()
