@@ -201,10 +201,10 @@ def finite(values: np.ndarray, name: str) -> np.ndarray:
     wrong = ~np.isfinite(values).all(axis=-1)
     if wrong.any():
         y, x = np.argwhere(wrong)[0]
-        found = " ".join(map(str, values[y, x]))
+        found, each = " ".join(map(str, values[y, x])), np.count_nonzero(~np.isfinite(values))
         raise NotFinite(
-            f"{name}: {np.count_nonzero(wrong)} of {wrong.size} pixels are not finite; "
-            f"the first one is at x {x}, y {y}: {found}"
+            f"{name}: {np.count_nonzero(wrong)} of {wrong.size} pixels are not finite ({each} of {values.size} "
+            f"values); the first one is at x {x}, y {y}: {found}"
         )
     return values
 
