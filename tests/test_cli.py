@@ -277,7 +277,7 @@ def test_an_output_that_is_an_input_is_refused():
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs a POSIX shell")
-@pytest.mark.parametrize("closed", ["2>&-", ">&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize("closed", some(["2>&-", ">&-", "<&- >&- 2>&-"], "2>&-"))
 def test_a_closed_stream_is_no_file(closed, tmp_path):
     """The lowest free number is that of the next file that is opened: messages would be written into it."""
     image = tmp_path / "a.png"

@@ -17,6 +17,7 @@ from raytrace.backends.gpu.process import TIME_LIMIT, EngineProcess
 from raytrace.backends.gpu.webgl import chromium
 from raytrace.glsl import vertex_shader
 from tests.engines import need
+from tests.scenes import some
 
 #: Under `nohup` a child would ignore SIGHUP as the suite does.
 ASKER = """
@@ -56,7 +57,7 @@ def family(pid):
     return [process, *process.children(recursive=True)]
 
 
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGHUP])
+@pytest.mark.parametrize("end", some([signal.SIGKILL, signal.SIGHUP], signal.SIGKILL))
 def test_the_engine_ends_with_who_asked(engine, end):
     need(engine)
     code = ASKER.format(engine=engine, then="import time; time.sleep(100)")

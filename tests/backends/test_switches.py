@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from tests.processes import COMMAND
+from tests.scenes import some
 
 VARIABLES = {
     "JAX_DEFAULT_DEVICE=cpu": "",
@@ -21,7 +22,9 @@ VARIABLES = {
 }
 
 
-@pytest.mark.parametrize("variable", VARIABLES)
+@pytest.mark.parametrize(
+    "variable", some(VARIABLES, "JAX_DISABLE_JIT=1", "JAX_PLATFORMS=cuda", "JAX_NUM_CPU_DEVICES=x")
+)
 def test_variables(variable, monkeypatch, tmp_path):
     monkeypatch.setenv(*variable.split("="))
     args = [*COMMAND, "render", "sphere", "--size", "16x16"]
@@ -62,6 +65,18 @@ def refused(function, told):
     else:
         raise AssertionError("not refused")
 
+"""
+#: By default.
+FEW = """
+with jax.disable_jit():
+    same(raytrace.render(scene, size))
+with jax.set_mesh(auto):
+    same(raytrace.render(scene, size))
+refused(lambda: jax.jit(jax.shard_map(jax.vmap(image), mesh=auto, in_specs=P("x"), out_specs=P("x")))(suns), "jax: ren")
+print("done", flush=True)
+"""
+#: In the full set.
+MORE = """
 for mesh in (auto, explicit):
     with jax.set_mesh(mesh):
         same(raytrace.render(scene, size))
@@ -102,8 +117,9 @@ def ran(code):
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=200)
 
 
-def test_contexts():
-    done = ran(CONTEXTS)
+@pytest.mark.parametrize("contexts", [FEW, pytest.param(MORE, marks=pytest.mark.full)], ids=["few", "more"])
+def test_contexts(contexts):
+    done = ran(CONTEXTS + contexts)
     assert done.stdout == "done\n", done.stderr
 
 
