@@ -1,8 +1,10 @@
-"""Tables of two columns, what and how much, as text and as HTML."""
+"""Results for people and programs: tables of two columns as text and as HTML, and plain types for JSON."""
 
 from html import escape
+from math import isfinite
+from typing import Any
 
-__all__ = ["html_table", "text_table"]
+__all__ = ["html_table", "plain", "text_table"]
 
 
 def text_table(rows: list[tuple[str, str]]) -> str:
@@ -15,3 +17,14 @@ def html_table(rows: list[tuple[str, str]]) -> str:
     """The rows as an HTML table, as Jupyter shows it."""
     cells = (f"<tr><th>{escape(what)}</th><td>{escape(value)}</td></tr>" for what, value in rows)
     return f"<table>{''.join(cells)}</table>"
+
+
+def plain(value: Any) -> Any:
+    """Return a value as plain types that strict JSON holds: a named tuple as a dict; what is not finite as a text."""
+    if hasattr(value, "_asdict"):
+        return {name: plain(part) for name, part in value._asdict().items()}
+    if isinstance(value, tuple):
+        return [plain(part) for part in value]
+    if isinstance(value, float) and not isfinite(value):
+        return str(value)
+    return value

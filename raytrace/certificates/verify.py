@@ -12,6 +12,7 @@ from raytrace.comparison.wrong_storage import WHITES
 from raytrace.errors import InputError, check_choice
 from raytrace.image.depth import Depth, coarsest_depth, values_of
 from raytrace.rendering import render
+from raytrace.tables import plain
 
 __all__ = ["PROPOSAL", "Cluster", "Verification", "proposal", "verify"]
 
@@ -132,11 +133,11 @@ class Verification:
         return {
             "inside": self.inside,
             "outside": int((self.by > 0).sum()),
-            "by": _plain(float(self.by.max())),
+            "by": plain(float(self.by.max())),
             "not_finite": int(self.not_finite.sum()),
             "depth": str(self.depth),
             "of_8_bits": self.of_8_bits,
-            "clusters": [cluster._asdict() | {"by": _plain(cluster.by)} for cluster in self.clusters],
+            "clusters": [cluster._asdict() | {"by": plain(cluster.by)} for cluster in self.clusters],
             "certificate": self.certificate.to_dict(),
         }
 
@@ -170,10 +171,6 @@ def verify(image: Any, certificate: Certificate, values: str = "display", depth:
     return Verification(certificate, image, np.where(np.isnan(by), np.inf, np.maximum(by, 0)), depth)
 
 
-def _plain(number: float) -> float | str:
-    return number if np.isfinite(number) else str(number)
-
-
 def proposal(image: Any, certificate: Certificate, kind: str, depth: Depth | None) -> str | None:
     """Return how an image that is outside has to be read, or should have been stored, to be inside; see `verify`.
 
@@ -185,7 +182,7 @@ def proposal(image: Any, certificate: Certificate, kind: str, depth: Depth | Non
     values = values_of(image)
     low, high = certificate.bounds.display
     if not depth.floating and ((values + depth.unit >= low) & (values - 1e-6 * depth.unit <= high)).all():
-        return f"as values that were cut off {PROPOSAL}: round them to {depth}, as floor(255*x + 0.5) does"
+        return f"as values that were cut off {PROPOSAL}: round them to {depth}, as {depth.rounding} does"
     for white in WHITES:
         if values.max() > 0.2 * white:
             # A file of such values has whole ones, often, which are rounded by half of one.

@@ -95,11 +95,12 @@ def run() -> None:
             os.open(os.devnull, os.O_RDWR)
     # As `timeout` and service managers end a process: it cleans up behind itself then too. A signal that is ignored, as
     # under `nohup`, stays ignored; so does SIGINT in a background job, which Python sees to.
-    for name in ("SIGTERM", "SIGHUP", "SIGQUIT"):
-        ending = getattr(signal, name, None)  # not every system has them all
-        if ending is not None and signal.getsignal(ending) != signal.SIG_IGN:
+    # Not every system has them all.
+    endings = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)]
+    for ending in endings:
+        if signal.getsignal(ending) != signal.SIG_IGN:
             signal.signal(ending, lambda number, _: sys.exit(128 + number))
-    _ending_soon()
+    _ending_soon({signal.SIGINT, *endings})
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a file's name need not be UTF-8
     wrapt.register_post_import_hook(_with_all_cores, "jax")
@@ -128,7 +129,7 @@ def run() -> None:
     os._exit(code if isinstance(code, int) else 1 if code else 0)
 
 
-def _ending_soon() -> None:
+def _ending_soon(endings: set[signal.Signals]) -> None:
     """Ends the process some seconds after a signal, when Python cannot: a compiler, or other hosts, may take minutes.
 
     Python's own handlers wait for them. What the system says of a signal at once, a thread can read.
@@ -138,9 +139,8 @@ def _ending_soon() -> None:
     signal.set_wakeup_fd(told.detach(), warn_on_full_buffer=False)
 
     def watch() -> None:
-        number = heard.recv(1)[0]
-        if number == signal.SIGINT and signal.getsignal(number) is signal.SIG_IGN:
-            return
+        while (number := heard.recv(1)[0]) not in endings:
+            pass  # of another handler
         time.sleep(_GRACE)
         remove_unfinished()
         if number == signal.SIGINT:

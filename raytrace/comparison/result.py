@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from raytrace.comparison.regions import Part, regions
 from raytrace.comparison.wrong_storage import storage_mistake
 from raytrace.image import Depth
 from raytrace.scene import Scene
-from raytrace.tables import html_table, text_table
+from raytrace.tables import html_table, plain, text_table
 
 __all__ = ["Comparison", "compare"]
 
@@ -64,17 +63,17 @@ class Comparison:
             "b": self.names[1],
             "size": list(self.size),
             "depth": None if self.depth is None else str(self.depth),
-            "ssim": _plain(self.ssim),
-            "psnr": _plain(self.psnr),
+            "ssim": plain(self.ssim),
+            "psnr": plain(self.psnr),
             "rmse": self.rmse,
-            "largest": _plain(self.largest),
+            "largest": plain(self.largest),
             "over": self.over,
             "share": self.share,
-            "delta_e": _plain(self.delta_e),
-            "flip": _plain(self.flip),
+            "delta_e": plain(self.delta_e),
+            "flip": plain(self.flip),
             "searched": self.searched,
-            "diagnosis": _plain(self.diagnosis),
-            "regions": [_plain(region) for region in self.regions],
+            "diagnosis": plain(self.diagnosis),
+            "regions": [plain(region) for region in self.regions],
         }
 
     def to_json(self) -> str:
@@ -172,13 +171,3 @@ def compare(
         regions=() if reference is None else regions(over, reference),
         images=images,
     )
-
-
-def _plain(value: Any) -> Any:
-    if hasattr(value, "_asdict"):
-        return {name: _plain(part) for name, part in value._asdict().items()}
-    if isinstance(value, tuple):
-        return [_plain(part) for part in value]
-    if isinstance(value, float) and not isfinite(value):
-        return str(value)
-    return value

@@ -54,9 +54,7 @@ def _cut_off(a: np.ndarray, b: np.ndarray, depth: Depth) -> Diagnosis | None:
     before, left = rmse(a, b), float(np.sqrt(np.sum(np.square(after)) / a.size))
     over = int(pixels_over(a, b).sum())
     return Diagnosis(
-        f"cut off to {depth}, where each value is to be rounded to the nearest: floor(255*x + 0.5) for floor(255*x)"
-        if depth == Depth(8)
-        else f"cut off to {depth}, where each value is to be rounded to the nearest",
+        f"cut off to {depth}, where each value is to be rounded to the nearest: {depth.rounding}",
         1 - (left / before) ** 2,
         (before, left),
         (over, over),

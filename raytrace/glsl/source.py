@@ -17,11 +17,11 @@ __all__ = ["ShaderSource", "read_shader"]
 #: ``0(12) : error C1503: ...``.
 _ERROR = re.compile(r"(?:ERROR:\s*)?0[:(](\d+)\)?(?:\(\d+\))?\s*:\s*(?:error\b\s*\w*\s*:\s*)?(.*)", re.IGNORECASE)
 _MAIN_IMAGE = re.compile(r"\bvoid\s+mainImage\s*\(")
-#: What Shadertoy (shadertoy.com) declares in front of a shader, and how it calls it. It has no line of its own there.
+#: The uniforms that Shadertoy (shadertoy.com) declares in front of a shader.
 _SHADERTOY = {
-    **dict.fromkeys(("iResolution",), "vec3"),
+    "iResolution": "vec3",
+    "iFrame": "int",
     **dict.fromkeys(("iTime", "iTimeDelta", "iFrameRate", "iSampleRate"), "float"),
-    **dict.fromkeys(("iFrame",), "int"),
     **dict.fromkeys(("iMouse", "iDate"), "vec4"),
     **dict.fromkeys((f"iChannel{n}" for n in range(4)), "sampler2D"),
 }
@@ -99,7 +99,7 @@ class ShaderSource:
     def declared(self) -> dict[str, str]:
         """The uniforms that the text declares, by name; what stands behind each: an array's brackets, a value."""
         found = {}
-        for statement in re.split(r"[;{}]", without_blocks(self.name, self.code)):
+        for statement in re.split(r"[;{}]", self._apart):
             words = re.split(r"\buniform\b", statement)
             if len(words) < 2:
                 continue
@@ -125,8 +125,8 @@ class ShaderSource:
                 f"{self.name}:{number + 1}: '#version {found}': is no version of GLSL; "
                 f"that of WebGL2 is '#version {USUAL}'"
             )
-        assert self.fragment
-        assert self.vertex
+        without_blocks(self.name, self.code)
+        vertex_output(self.name, self.code)
 
     def explained(self, log: str, stage: str = "fragment") -> str:
         """The first error of a compiler's log, in one line: file and line, what is wrong, the line itself.
@@ -160,6 +160,11 @@ class ShaderSource:
                 yield number, words[1:]
 
     @cached_property
+    def _apart(self) -> str:
+        """`code` with its uniform blocks taken apart."""
+        return without_blocks(self.name, self.code)
+
+    @cached_property
     def _misplaced(self) -> bool:
         """Whether something stands before ``#version``: then the compiler is to say so of the text as it is."""
         return self.directive is not None and bool("".join(self.code.split("\n")[: self.directive[0]]).strip())
@@ -168,8 +173,8 @@ class ShaderSource:
         """The lines of `text`, which is `text` or `code`, as they are compiled behind `head`."""
         if self._misplaced:
             return text
-        if (apart := without_blocks(self.name, self.code)) != self.code:
-            text = apart
+        if self._apart != self.code:
+            text = self._apart
         if self.directive is not None:
             number = self.directive[0]
             lines = text.split("\n")

@@ -40,6 +40,11 @@ class Depth:
         return 2.0 ** -_FLOATS[self.bits][0] if self.floating else 1 / self._most
 
     @property
+    def rounding(self) -> str:
+        """How a value is stored as an integer, in a formula."""
+        return f"floor({self._most}*x + 0.5)"
+
+    @property
     def _most(self) -> int:
         return 2**self.bits - 1
 

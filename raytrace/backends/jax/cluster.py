@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from raytrace.backends.jax.rendezvous import ending_after, met
 from raytrace.errors import EngineFailure, InputError
 
-__all__ = ["LONGEST_WAIT", "MOST_HOSTS", "cluster"]
+__all__ = ["cluster"]
 
 #: Seconds that the processes may wait for each other.
 LONGEST_WAIT = 86400.0
@@ -16,7 +16,7 @@ MOST_HOSTS = 4096
 
 
 @contextmanager
-def cluster(coordinator: str | None, hosts: int | None, process_id: int | None, wait: float = 60.0) -> Iterator[bool]:
+def cluster(coordinator: str | None, hosts: int | None, process_id: int | None, wait: float) -> Iterator[bool]:
     """Within this context JAX's devices are those of all processes; gives whether this is the one that writes files.
 
     coordinator: HOST:PORT, an address of process 0 that the others reach. hosts: how many processes there are.

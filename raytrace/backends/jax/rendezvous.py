@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from raytrace.errors import EngineFailure
-from raytrace.files import remove_unfinished
+from raytrace.files import reason, remove_unfinished
 
 __all__ = ["ending_after", "met"]
 
@@ -80,8 +80,8 @@ def _all_others(coordinator: str, hosts: int, end: float) -> dict[int, socket.so
         listener = socket.create_server(
             ("", port), family=socket.AF_INET6 if both else socket.AF_INET, dualstack_ipv6=both, backlog=128
         )
-    except (OSError, OverflowError) as error:
-        raise EngineFailure(f"{coordinator}: port {port} cannot be used: {_reason(error)}") from None
+    except OSError as error:
+        raise EngineFailure(f"{coordinator}: port {port} cannot be used: {reason(error)}") from None
     found: dict[int, socket.socket] = {}
     with listener:
         while len(found) < hosts - 1:
@@ -99,9 +99,9 @@ def _all_others(coordinator: str, hosts: int, end: float) -> dict[int, socket.so
                 raise EngineFailure(
                     f"{coordinator}: {len(missing)} of {hosts} processes did not come (--wait): {', '.join(missing)}"
                 ) from None
-            except (OSError, ValueError):
+            except OSError:
                 continue
-            if len(hello) != 3 or hello[0] != _HELLO or not hello[1].isdigit() or not hello[2].isdigit():
+            if len(hello) != 3 or hello[0] != _HELLO or not (hello[1] + hello[2]).isdecimal():
                 connection.close()
                 continue
             number = int(hello[2])
@@ -127,9 +127,9 @@ def _process_0(coordinator: str, hosts: int, process_id: int, end: float) -> soc
             _say(connection, f"{_HELLO} {hosts} {process_id}")
             answer = _heard(connection)
         except socket.gaierror as error:
-            raise EngineFailure(f"{coordinator}: {host} is no host's name: {_reason(error)}") from None
-        except (OSError, OverflowError, ValueError) as error:
-            said = _reason(error)
+            raise EngineFailure(f"{coordinator}: {host} is no host's name: {reason(error)}") from None
+        except OSError as error:
+            said = reason(error)
             time.sleep(_RETRY)
             continue
         if answer == _BEGIN:
@@ -145,7 +145,7 @@ def _watch(connection: socket.socket, all_connections: list[socket.socket], over
     connection.settimeout(None)
     try:
         said = _heard(connection)
-    except (OSError, ValueError):
+    except OSError:
         said = ""
     if said == _DONE or over.is_set():
         return
@@ -178,8 +178,4 @@ def _say(connection: socket.socket, line: str) -> None:
 def _heard(connection: socket.socket) -> str:
     """The next line from the other end; an empty one at its end."""
     with connection.makefile("rb", buffering=0) as stream:
-        return stream.readline(_LINE).decode().strip()
-
-
-def _reason(error: Exception) -> str:
-    return (getattr(error, "strerror", None) or str(error) or type(error).__name__).lower()
+        return stream.readline(_LINE).decode(errors="replace").strip()
