@@ -2,8 +2,8 @@
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass
-from functools import wraps
+from dataclasses import KW_ONLY, dataclass, field, fields
+from functools import lru_cache, wraps
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, ParamSpec, TypeVar, get_type_hints
@@ -29,6 +29,9 @@ __all__ = ["Options", "Rendering", "check_size", "render"]
 
 #: Means over a pixel: of samples, or of what is on either side of its edges.
 ANTIALIAS = ("none", "edges")
+
+#: JAX's own (`raytrace.backends.jax.choice`).
+ENGINES = ("staged", "fused", "kernel")
 
 #: The steps that each output is made of.
 OUTPUTS = {"display": ("display",), "linear": ("linear",), "steps": tuple(COMPONENTS)}
@@ -72,7 +75,7 @@ class Options:
         Mapping[str, Any] | None, "What a uniform of that shader stands for, name=camera_position; repeatable."
     ] = None
     time_limit: Annotated[float, "Seconds that your own shader may take."] = ForeignShader.time_limit
-    engine: Engine | None = None
+    engine: Engine | str | None = None
 
     def check(self) -> None:
         """Check all but the scene.
@@ -96,6 +99,10 @@ class Options:
             raise InputError(f"antialias: backend {self.backend} has none; jax and numpy have")
         if self.antialias != "none" and self.output == "steps":
             raise InputError("antialias: output 'steps' is of one point of each pixel, which has no edges")
+        if isinstance(self.engine, str):
+            check_choice("engine", self.engine, ENGINES)
+            if self.backend != "jax":
+                raise InputError(f"engine: backend {self.backend} has none by name; jax has: {', '.join(ENGINES)}")
         if self.shader is not None:
             self._check_shader()
         elif self.uniforms:
@@ -271,7 +278,10 @@ def render(options: Options) -> Any:
     uniforms: what a uniform of that shader stands for where its name does not say it: a key of
         `raytrace.glsl.meanings.MEANINGS`, a number, or numbers.
     time_limit: seconds that the shader may take.
-    engine: how the shader's control words are run, instead of the backend's own way (`raytrace.language.Engine`).
+    engine: how the shader's control words are run, instead of the backend's own way: an engine
+        (`raytrace.language.Engine`), or with JAX the name of one of its own. "staged" draws tiles, as suits a CPU;
+        "kernel" one kernel, which is a GPU's (where there is none XLA draws its tiles, slowly); "fused" leaves all to
+        XLA. By default the platform decides on which the image is drawn.
 
     JAX gives JAX arrays, but NumPy's for float64 while x64 mode is off; all others give NumPy's.
 
@@ -281,7 +291,47 @@ def render(options: Options) -> Any:
         EngineFailure: a graphics engine crashed; the shader did not end in time.
     """
     with explicit_sharding_refused():
-        return Rendering(options).whole()
+        return _rendering(options).whole()
+
+
+#: Pictures that are kept ready: a loop over a few scenes or sizes finds each of them again.
+KEPT = 8
+
+
+def _rendering(options: Options) -> Rendering:
+    """Return what renders: of a concrete scene for JAX what was made of equal numbers before, if that is not long ago.
+
+    What an array holds decides, not which array it is: one may be changed in place.
+    """
+    if options.backend != "jax" or not isinstance(options.scene, Scene):
+        return Rendering(options)
+    import jax
+
+    leaves, tree = jax.tree.flatten(options.scene)
+    if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
+        return Rendering(options)
+    arrays = [np.asarray(leaf) for leaf in leaves]
+    numbers = tuple((array.shape, array.dtype.str, array.tobytes()) for array in arrays)
+    config: Any = jax.config  # whose attributes JAX makes at run time
+    switches = config.jax_default_device, config.jax_enable_x64, jax.process_count()
+    choices = tuple(getattr(options, field.name) for field in fields(options) if field.name not in ("scene", "_"))
+    try:
+        return _kept(_Same((tree, numbers, switches, choices), options))
+    except TypeError:  # a choice that has no hash: one that is wrong, or a user's own
+        return Rendering(options)
+
+
+@dataclass(frozen=True)
+class _Same:
+    """Options that are equal where their keys are."""
+
+    key: tuple
+    options: Options = field(compare=False)
+
+
+@lru_cache(maxsize=KEPT)
+def _kept(same: _Same) -> Rendering:
+    return Rendering(same.options)
 
 
 def check_size(size: Any) -> None:

@@ -42,5 +42,5 @@ class Job:
     dtype: str
     exact_inputs: bool = False
     skip: bool = True
-    engine: Engine | None = None
+    engine: Engine | str | None = None
     shader: ForeignShader | None = None

@@ -20,10 +20,10 @@ from functools import wraps
 from typing import Any
 
 from raytrace.language.engine import Engine, engine, running
-from raytrace.language.tree import count
+from raytrace.language.tree import Numbers, count
 from raytrace.language.types import Array
 
-__all__ = ["Engine", "at", "branch", "count", "detach", "each", "rarely", "running", "step"]
+__all__ = ["Engine", "Numbers", "at", "branch", "count", "detach", "each", "rarely", "running", "step"]
 
 
 def step(function: Callable) -> Callable:

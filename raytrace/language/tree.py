@@ -6,7 +6,7 @@
 from collections.abc import Callable
 from typing import Any
 
-__all__ = ["array_map", "count", "tree_leaves", "tree_map"]
+__all__ = ["Numbers", "array_map", "count", "tree_leaves", "tree_map"]
 
 
 def tree_map(function: Callable, tree: Any, *others: Any) -> Any:
@@ -33,6 +33,16 @@ def tree_leaves(tree: Any) -> list:
     leaves: list = []
     tree_map(leaves.append, tree)
     return leaves
+
+
+class Numbers:
+    """The whole numbers from 0 to `n` - 1, as items of ``each``: no array holds them."""
+
+    def __init__(self, n: int):
+        self.shape = (n,)
+
+    def __getitem__(self, i: Any) -> Any:
+        return i
 
 
 def count(items: Any) -> int:

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from raytrace.language.control import each
+from raytrace.language.control import Numbers, each
 from raytrace.language.glsl import Vec2, Vec3
 from raytrace.language.namespace import constant
 from raytrace.language.types import Float
 from raytrace.shader.camera import pixel_to_ndc
 from raytrace.shader.film import develop
 from raytrace.shader.main import Steps, main
-from raytrace.shader.sampling import sample_grid
+from raytrace.shader.sampling import sample_offset
 from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = ["Frame", "mean_of_samples", "pixels", "sample_ndc", "texture_coordinates"]
@@ -72,14 +72,14 @@ def mean_of_samples(
     sample: gives the linear colour at an offset, counted in samples, of the pixel (column, row).
     """
 
-    def add(total, _, offset, column, row):
-        return total + sample(offset, column, row)
+    def add(total, _, number, column, row):
+        return total + sample(sample_offset(number, frame.samples, column), column, row)
 
     if frame.samples == 1:
         linear = sample(Vec2(constant(0.5, column), constant(0.5, column)), column, row)
     else:
         zero = constant(0, column)
-        total = each(sample_grid(frame.samples, column), add, Vec3(zero, zero, zero), column, row, unroll=False)
+        total = each(Numbers(frame.samples**2), add, Vec3(zero, zero, zero), column, row, unroll=False)
         linear = total / frame.samples**2
     display = develop(linear, uniforms.film, program) if "display" in keep else None
     return Steps(linear=linear, display=display).only(keep)

@@ -1,34 +1,40 @@
-"""The program that draws: from uniforms to pictures, on one device or several, a tile after another."""
+"""The program that draws: from uniforms to pictures, on one device or several, by whichever engine."""
 
 from typing import Any
 
 import jax
 import jax.numpy as jnp
+from jax import lax
 from jax.sharding import Mesh, PartitionSpec
 
 from raytrace.backends.jax.devices import AXIS
+from raytrace.backends.jax.engines import Fused
+from raytrace.backends.jax.kernel import Images, Kernels, Where, draw_by_kernel, prepared
 from raytrace.backends.jax.staged import SEARCHED, Culling, Staged, culling
 from raytrace.backends.jax.tiles import Tiles
 from raytrace.backends.job import Job
 from raytrace.edges import pixels
 from raytrace.language.control import running
 from raytrace.shader.main import COMPONENTS
-from raytrace.shader.uniforms import Uniforms
+from raytrace.shader.pixel import Frame
+from raytrace.shader.uniforms import Program, Uniforms
 
-__all__ = ["draw", "engine_of", "tiles_of"]
+__all__ = ["draw", "draw_part", "prepare_spheres", "tiles_of", "trimmed"]
 
-Images = dict[str, jax.Array]
+#: Images by name.
+Drawn = dict[str, jax.Array]
 
-_STAGED = Staged()
 
-
-def engine_of(job: Job) -> Any:
-    """Return the engine that the job asks for, a `OneProgram`, or the fast one."""
-    return job.engine or _STAGED
+def prepare_spheres(engine: Any, uniforms: Uniforms, program: Program) -> Culling | None:
+    """Return what the engine prepares of the spheres once for a whole picture; ``None`` where it needs nothing."""
+    if isinstance(engine, Kernels):
+        return prepared(uniforms, program)
+    return culling(uniforms, program) if isinstance(engine, Staged) else None
 
 
 def draw(
     job: Job,
+    engine: Any,
     rows: int,
     devices: Mesh,
     differentiated: bool,
@@ -36,23 +42,20 @@ def draw(
     culled: Culling | None,
     mode: Any,
     first: Any,
-) -> Images:
+) -> Drawn:
     """The steps that the job keeps, for `rows` rows from row `first` on: arrays (rows, width[, components]).
 
-    culled: what `raytrace.backends.jax.staged.culling` gives, or ``None`` to have it computed here.
-    mode: 0, or 1 to skip nothing. differentiated: whether JAX is to differentiate the pictures.
+    engine: what `raytrace.backends.jax.choice.engine_of` gives. culled: what `prepare_spheres` gives, or ``None`` to
+    have it computed here. mode: 0, or 1 to skip nothing. differentiated: whether JAX is to differentiate the pictures.
     """
-    if culled is None and isinstance(engine_of(job), Staged):
-        culled = culling(uniforms, job.program)
-    width = job.frame.width
+    if culled is None:
+        culled = prepare_spheres(engine, uniforms, job.program)
     # Each device has some columns of every row, which share the sky and the ground about equally.
-    columns = -(-width // devices.size)
+    columns = -(-job.frame.width // devices.size)
 
-    tiles = tiles_of(job, rows, columns)
-
-    def part(device: jax.Array, *args: Any) -> Images:
-        images = _part(job, tiles, device[0] * columns, differentiated, *args)
-        return jax.tree.map(lambda image: image[:, :columns], images) if tiles.width > columns else images
+    def part(device: jax.Array, uniforms: Uniforms, culled: Culling | None, mode: Any, first: Any) -> Drawn:
+        where = Where(mode, first, device[0] * columns)
+        return draw_part(job, engine, rows, columns, uniforms, culled, where, differentiated)
 
     numbers, args = jnp.arange(devices.size, dtype=jnp.int32), (uniforms, culled, mode, first)
     if devices.size > 1:
@@ -64,50 +67,90 @@ def draw(
             out_specs=PartitionSpec(None, AXIS),
             check_vma=False,
         )
-
-    def trimmed(name: str, image: jax.Array) -> jax.Array:
-        image = image if image.shape[1] == width else image[:, :width]
-        return image if COMPONENTS[name] > 1 else image.reshape(rows, width)
-
-    return {name: trimmed(name, image) for name, image in part(numbers, *args).items()}
+    return trimmed(job, part(numbers, *args))
 
 
-def tiles_of(job: Job, rows: int, columns: int) -> Tiles:
+def trimmed(job: Job, images: Drawn) -> Drawn:
+    """Return the images without columns beyond the frame, and those of one component without that axis."""
+
+    def trim(name: str, image: jax.Array) -> jax.Array:
+        image = image if image.shape[1] == job.frame.width else image[:, : job.frame.width]
+        return image if COMPONENTS[name] > 1 else image[..., 0]
+
+    return {name: trim(name, image) for name, image in images.items()}
+
+
+def draw_part(
+    job: Job,
+    engine: Any,
+    rows: int,
+    columns: int,
+    uniforms: Uniforms,
+    culled: Culling | None,
+    where: Where,
+    differentiated: bool,
+) -> Drawn:
+    """Return `rows` x `columns` pixels from a row and column on: arrays (rows, columns, components)."""
+    if isinstance(engine, Kernels):
+        drawn = draw_by_kernel(Images(job, rows, columns, engine), uniforms, culled, where)
+        return dict(zip(job.keep, drawn, strict=True))
+    mode = jnp.asarray(where.mode)
+    # A division by a constant would be compiled to a product with the constant's inverse, which is rounded once more.
+    one = (mode >= 0).astype(job.dtype)
+    frame = job.frame._replace(width=job.frame.width * one, height=job.frame.height * one)
+    if isinstance(engine, Fused):
+        return _whole(job, engine, frame, rows, columns, uniforms, where)
+    tiles = tiles_of(engine, job, rows, columns)
+    images = _tiled(job, engine, frame, tiles, uniforms, culled, where, differentiated)
+    return {name: image[:, :columns] for name, image in images.items()} if tiles.width > columns else images
+
+
+def _whole(job: Job, engine: Fused, frame: Frame, rows: int, columns: int, uniforms: Uniforms, where: Where) -> Drawn:
+    """All pixels at once: planes of two dimensions, which the program counts out itself."""
+    row, column = (lax.broadcasted_iota(jnp.int32, (rows, columns), axis) for axis in (0, 1))
+    x, y = (column + where.first_column).astype(job.dtype), (row + where.first_row).astype(job.dtype)
+    with running(engine):
+        steps = pixels(uniforms, job.program, x, y, frame, job.keep)
+
+    def image(planes: Any) -> jax.Array:
+        planes = planes if isinstance(planes, tuple) else (planes,)
+        return jnp.stack([jnp.broadcast_to(plane, (rows, columns)) for plane in planes], axis=-1)
+
+    return {name: image(getattr(steps, name)) for name in job.keep}
+
+
+def tiles_of(engine: Any, job: Job, rows: int, columns: int) -> Tiles:
     """The tiles of a part of the image, of a size that does not depend on how many parts there are.
 
     So the kernels are the same, to the last bit, on any number of devices.
     """
-    whole = Tiles.of(rows, job.frame.width, engine_of(job).block)
+    whole = Tiles.of(rows, job.frame.width, engine.block)
     return whole._replace(width=max(columns, whole.tile_width))
 
 
-def _part(
+def _tiled(
     job: Job,
+    engine: Any,
+    frame: Frame,
     tiles: Tiles,
-    first_column: jax.Array,
-    differentiated: bool,
     uniforms: Uniforms,
     culled: Culling | None,
-    mode: Any,
-    first_row: Any,
-) -> Images:
-    """One device's part, all of `tiles`: arrays (rows, columns, components)."""
-    engine = engine_of(job)
-    # A division by a constant would be compiled to a product with the constant's inverse, which is rounded once more.
-    one = (mode >= 0).astype(job.dtype)
-    frame = job.frame._replace(width=job.frame.width * one, height=job.frame.height * one)
+    where: Where,
+    differentiated: bool,
+) -> Drawn:
+    """A tile after another: arrays (rows, columns, components) of all `tiles`."""
 
-    def tile(row: jax.Array, column: jax.Array) -> Images:
+    def tile(row: jax.Array, column: jax.Array) -> Drawn:
         at = engine
         if isinstance(engine, Staged) and culled is not None:
-            at = engine.at_block(job.program, culled, mode, differentiated)
-        rows, columns = tiles.pixels(row + first_row, column + first_column)
+            at = engine.at_block(job.program, culled, where.mode, differentiated)
+        rows, columns = tiles.pixels(row + where.first_row, column + where.first_column)
         with running(at):
             # In a step of its own, so that no other kernel counts the pixels again.
             x, y = at.step(_floats, (columns, rows, jnp.zeros((), job.dtype)))
             steps = pixels(uniforms, job.program, x, y, frame, job.keep)
 
-        def images(steps: Any) -> Images:
+        def images(steps: Any) -> Drawn:
             return {name: _interleaved(getattr(steps, name), tiles) for name in job.keep}
 
         return at.step(images, (steps,))

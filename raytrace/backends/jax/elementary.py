@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
-__all__ = ["exp2", "log2"]
+__all__ = ["exp2", "log2", "log2_double"]
 
 _LOG2_E_LESS_1 = 0.44269504088896340736
 _LN_2 = 0.69314718055994530942
@@ -71,7 +71,7 @@ def log2(x: jax.Array) -> jax.Array:
 @jax.custom_jvp
 def exp2(x: jax.Array) -> jax.Array:
     """Two to the power `x`, float32."""
-    nearest = jnp.round(jnp.clip(x, -127, 128))
+    nearest = jnp.floor(jnp.clip(x, -127, 128) + 0.5)
     f = x - nearest
     value = 1 + f * _polynomial(_EXP2, f)
     # Times 2**nearest: from 0.7 to 1.5 the value's own exponent leaves room for all that are not decided below.
@@ -82,7 +82,28 @@ def exp2(x: jax.Array) -> jax.Array:
 @log2.defjvp
 def _(primals: tuple, tangents: tuple) -> tuple:
     (x,), (dx,) = primals, tangents
-    return log2(x), dx / (x * jnp.float32(_LN_2))
+    return log2(x), _slope_of_log2(x, dx, 2.0**-48)
+
+
+@jax.custom_jvp
+def log2_double(x: jax.Array) -> jax.Array:
+    """The logarithm to base 2 of positive normal numbers, XLA's, in float64."""
+    return jnp.log2(x)
+
+
+@log2_double.defjvp
+def _(primals: tuple, tangents: tuple) -> tuple:
+    (x,), (dx,) = primals, tangents
+    return log2_double(x), _slope_of_log2(x, dx, 2.0**-450)
+
+
+def _slope_of_log2(x: jax.Array, dx: jax.Array, least: float) -> jax.Array:
+    """How the logarithm changes; as if `x` were no smaller than `least`.
+
+    A compiler may divide an exponent, 2400, by `x` first, and for second derivatives square that: it must not overflow,
+    as it is then multiplied by 0.
+    """
+    return dx / (jnp.maximum(x, least) * jnp.asarray(_LN_2, x.dtype))
 
 
 @exp2.defjvp

@@ -4,8 +4,9 @@ XLA's CPU compiler copies cheap producers into every consumer, so that a whole f
 its innermost loops over and over. `raytrace.backends.jax.staged` does better.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
 from typing import Any
 
 import jax
@@ -17,7 +18,7 @@ from raytrace.language.control import Engine, count
 from raytrace.language.glsl import select
 from raytrace.shader.hit import Hit
 
-__all__ = ["OneProgram", "OwnFunctions", "shaped"]
+__all__ = ["Attentive", "Fused", "OneProgram", "OwnFunctions", "any_of", "shaped"]
 
 
 @dataclass(frozen=True)
@@ -66,13 +67,66 @@ class OneProgram(Engine):
 
 
 class OwnFunctions(OneProgram):
-    """With exp2 and log2 of its own in float32."""
+    """With exp2 and log2 of its own: in float32 their values, and of log2 the derivative."""
 
     def exp2(self, x: jax.Array) -> jax.Array:
         return elementary.exp2(x) if x.dtype == jnp.float32 else jnp.exp2(x)
 
     def log2(self, x: jax.Array) -> jax.Array:
-        return elementary.log2(x) if x.dtype == jnp.float32 else jnp.log2(x)
+        return elementary.log2(x) if x.dtype == jnp.float32 else elementary.log2_double(x)
+
+
+@dataclass(frozen=True)
+class Fused(OwnFunctions):
+    """All pixels of an image in as few fusions as XLA makes of it, as an accelerator wants it."""
+
+    def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
+        if items is None or not isinstance(start, Hit):
+            return super().each(items, body, start, args, unroll)
+        # What was hit alone has a derivative: that of what is missed may be infinite, and nothing times that is NaN.
+        found = super().each(*lax.stop_gradient((items,)), body, start, lax.stop_gradient(args), unroll)
+        return self.winner(items, body, start, found.index, args)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Attentive(OwnFunctions):
+    """An engine that knows which pixels are of interest, made anew in each trace: it holds what that trace computes.
+
+    quadratic: whether the textbook's formula is computed. everything: whether nothing is skipped: then all branches are
+    computed and all lists are full. The bits are the same. differentiated: whether the picture is being differentiated.
+    """
+
+    quadratic: bool
+    everything: Any
+    differentiated: bool
+    #: The pixels of interest within the contexts that are entered, the innermost last; ``None`` for all.
+    contexts: list[jax.Array | None] = field(default_factory=lambda: [None])
+
+    # Two of them hold different arrays, and are never equal.
+    __eq__ = object.__eq__  # pyright: ignore[reportAssignmentType]
+    __hash__ = object.__hash__
+
+    @property
+    def active(self) -> jax.Array | None:
+        return self.contexts[-1]
+
+    def among(self, condition: jax.Array) -> Any:
+        """Within this context only those pixels for which `condition` holds are of interest."""
+        return self.only(condition if self.active is None else self.active & condition)
+
+    @contextmanager
+    def only(self, active: jax.Array) -> Iterator[jax.Array]:
+        """The same, and whatever was of interest before is not."""
+        self.contexts.append(active)
+        try:
+            yield active
+        finally:
+            self.contexts.pop()
+
+
+def any_of(mask: jax.Array) -> jax.Array:
+    """Return ``any(mask)``, as a maximum: Pallas' kernels know no other reduction of truth values."""
+    return jnp.max(mask.astype(jnp.int32)) > 0
 
 
 def shaped(tree: Any, shapes: Any) -> Any:

@@ -15,6 +15,7 @@ import jax
 import jax.numpy as jnp
 
 from raytrace.backends.culling import Beam, Coordinates, Extent, Pencil, Region, outside
+from raytrace.backends.jax.engines import any_of
 
 __all__ = ["Candidates", "Grid", "candidates", "grid"]
 
@@ -160,7 +161,7 @@ def candidates(grid: Grid, where: Coordinates, among: jax.Array, everything: jax
         | (where.w - where.w_error > box.w_high)
     )
     sharp = error <= jnp.minimum(grid.cell_u, grid.cell_v) * ROOM
-    scanned = everything | jnp.any(near & ~sharp)
+    scanned = everything | any_of(near & ~sharp)
     looked_up = near & ~scanned
     total = jnp.where(scanned, grid.small, jnp.zeros(among.shape, jnp.int32))
     starts, shifts = [], []

@@ -13,11 +13,14 @@ import numpy as np
 from jax import lax
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
+from raytrace.backends.jax.choice import engine_of, platform_of
 from raytrace.backends.jax.devices import check_devices, fetched, hint_at_cores, mesh, one_device, x64_mode
-from raytrace.backends.jax.draw import draw, engine_of
+from raytrace.backends.jax.draw import draw, prepare_spheres, trimmed
 from raytrace.backends.jax.forward import by_forward_mode
+from raytrace.backends.jax.kernel import MANY, Kernels
 from raytrace.backends.jax.packing import Layout, pack
-from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, culling
+from raytrace.backends.jax.picture import traced_picture
+from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged
 from raytrace.backends.jax.stored import choices_as_text, stored
 from raytrace.backends.job import Job
 from raytrace.errors import InputError
@@ -39,27 +42,40 @@ MOST = 32
 @lru_cache(maxsize=MOST)
 def _traced(job: Job, rows: int, devices: Mesh) -> Callable:
     """The function that draws traced uniforms; without options, which are those of the program that it is part of."""
+    platform = platform_of(devices.devices.flat[0])
+
+    def by(engine: Any, uniforms: Uniforms, mode: Any, first: Any) -> dict[str, jax.Array]:
+        return draw(job, engine, rows, devices, True, uniforms, None, mode, first)
+
+    def as_picture(uniforms: Uniforms, mode: Any, first: Any) -> dict[str, jax.Array]:
+        return trimmed(job, traced_picture(job, rows, uniforms, mode, first))
 
     @jax.jit
     def drawn(uniforms: Uniforms, mode: Any, first: Any) -> dict[str, jax.Array]:
-        return draw(job, rows, devices, True, uniforms, None, mode, first)
+        spheres = count(uniforms.spheres)
+        if job.engine is None and job.program.antialias == "none":
+            on_cpu = partial(by, engine_of(job, "cpu", spheres))
+            return lax.platform_dependent(uniforms, mode, first, cpu=on_cpu, default=as_picture)
+        # Edges' text would be traced once for each platform.
+        engine = engine_of(job, platform, spheres)
+        return as_picture(uniforms, mode, first) if isinstance(engine, Kernels) else by(engine, uniforms, mode, first)
 
     return drawn
 
 
 @lru_cache(maxsize=MOST)
-def _culled(program: Program, layout: Layout) -> Callable:
+def _culled(program: Program, engine: Any, layout: Layout) -> Callable:
     """The function that prepares many spheres, from all numbers."""
 
     @partial(jax.jit, compiler_options=OPTIONS)
-    def culled(numbers: jax.Array) -> Culling:
-        return culling(layout.unpack(numbers), program)
+    def culled(numbers: jax.Array) -> Culling | None:
+        return prepare_spheres(engine, layout.unpack(numbers), program)
 
     return culled
 
 
 @lru_cache(maxsize=MOST)
-def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -> Callable:
+def _compiled(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, culled: Any) -> Callable:
     """The program for uniforms of that layout, whatever their values. `culled`: the shapes, hashable, or ``None``."""
     everywhere = NamedSharding(devices, PartitionSpec())
 
@@ -73,23 +89,26 @@ def _compiled(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -
     scalars = given((), np.int32), given((), np.int32)
 
     def drawn(numbers: jax.Array, culled: Any, mode: Any, first: Any) -> dict[str, jax.Array]:
-        return draw(job, rows, devices, False, layout.unpack(numbers), culled, mode, first)
+        return draw(job, engine, rows, devices, False, layout.unpack(numbers), culled, mode, first)
 
     def compiled() -> Any:
         return jax.jit(drawn, compiler_options=OPTIONS).lower(numbers, culled, *scalars).compile()
 
-    return stored(_name(job, rows, devices, layout, culled), list(devices.devices.flat), compiled)
+    return stored(_name(job, engine, rows, devices, layout, culled), list(devices.devices.flat), compiled)
 
 
-def _name(job: Job, rows: int, devices: Mesh, layout: Layout, culled: Any) -> str | None:
+def _name(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, culled: Any) -> str | None:
     """What a program depends on, as text that is the same in another process; ``None`` where there is no such text."""
     choices = choices_as_text(job.program)
-    if choices is None or job.engine is not None or jax.process_count() > 1:
+    if choices is None or not isinstance(job.engine, str | None) or jax.process_count() > 1:
         return None
     shapes = jax.tree.map(lambda leaf: (leaf.shape, str(leaf.dtype)), culled)
-    kinds = [(device.platform, device.id) for device in devices.devices.flat]
+    kinds = [
+        (device.platform, device.device_kind, device.client.platform_version, device.id)
+        for device in devices.devices.flat
+    ]
     # The layout's and the culling's trees say of every leaf whose it is.
-    return repr((choices, job.frame, job.keep, job.dtype, rows, kinds, layout, shapes, sorted(OPTIONS.items())))
+    return repr((choices, job.frame, job.keep, job.dtype, engine, rows, kinds, layout, shapes, sorted(OPTIONS.items())))
 
 
 def _given(x: Any, dtype: str, exact: bool) -> jax.Array:
@@ -133,6 +152,8 @@ class Renderer:
     """
 
     def __init__(self, uniforms: Uniforms, job: Job):
+        #: The first row and the count that were drawn last, by which program, and what it was given.
+        self.ready: tuple[int, int, Callable, tuple] | None = None
         #: What the program depends on: not the switch that it is given when it runs.
         self.job, self.mode = replace(job, skip=True, exact_inputs=False), int(not job.skip)
         check_devices()
@@ -147,16 +168,18 @@ class Renderer:
             )
         # What somebody makes of a traced image, such as its mean and the mean's derivative, has devices wait for each
         # other in an order that XLA's threads may not keep: with as many threads as devices they wait for ever.
-        spread = isinstance(engine_of(job), Staged) and not self.traced
-        if spread:
+        self.devices = one_device()
+        self.engine = engine_of(job, platform_of(self.devices.devices.flat[0]), count(uniforms.spheres))
+        if isinstance(self.engine, Staged | Kernels) and not self.traced:
             hint_at_cores()
-        self.devices = mesh() if spread else one_device()
+            self.devices = mesh()
         if self.traced:
             self.uniforms = jax.tree.map(partial(_given, dtype=job.dtype, exact=job.exact_inputs), uniforms)
         else:
             rounded = jax.tree.map(partial(_rounded, exact=job.exact_inputs), uniforms)
             self.numbers, self.layout = pack(rounded, job.dtype)
-            self.many = isinstance(engine_of(job), Staged) and count(uniforms.spheres) > MANY_FOR_SHADOW
+            most = {Staged: MANY_FOR_SHADOW, Kernels: MANY}.get(type(self.engine))
+            self.many = most is not None and count(uniforms.spheres) > most
 
     def about(self) -> dict[str, str]:
         device = self.devices.devices.flat[0]
@@ -186,9 +209,13 @@ class Renderer:
                     # Every edge's text is there several times over, which reverse mode takes minutes to compile.
                     return by_forward_mode(lambda uniforms: drawn(uniforms, mode, row), self.uniforms)
                 return drawn(self.uniforms, mode, row)
-            numbers, culled = prepared = self._prepared()
-            mode, row = jax.device_put((mode, row), self._everywhere())
-            images = self._program(count, prepared)(numbers, culled, mode, row)
+            ready = self.ready
+            if ready is None or ready[:2] != (first, count):
+                prepared = self._prepared()
+                given = *prepared, *jax.device_put((mode, row), self._everywhere())
+                ready = self.ready = first, count, self._program(count, prepared), given
+            _, _, program, given = ready
+            images = program(*given)
             # Spread over several processes it would be of no use to any of them.
             whole = self.borrows_x64 or jax.process_count() > 1
             return jax.tree.map(fetched, images) if whole else images
@@ -196,7 +223,7 @@ class Renderer:
     def _prepared(self) -> tuple[jax.Array, Culling | None]:
         """The uniforms, and with many spheres what is prepared of them, on all devices."""
         job, content = self.job, self.numbers.tobytes()
-        return _kept(job.program, job.dtype, self.layout, content, self.many, self._everywhere())
+        return _kept(job.program, job.dtype, self.engine, self.layout, content, self.many, self._everywhere())
 
     def _everywhere(self) -> NamedSharding:
         return NamedSharding(self.devices, PartitionSpec())
@@ -206,7 +233,7 @@ class Renderer:
         if culled is not None:
             leaves, tree = jax.tree.flatten(culled)
             culled = tree, tuple((leaf.shape, leaf.dtype) for leaf in leaves)
-        return _compiled(self.job, rows, self.devices, self.layout, culled)
+        return _compiled(self.job, self.engine, rows, self.devices, self.layout, culled)
 
     @contextmanager
     def _outside(self) -> Iterator[None]:
@@ -222,14 +249,14 @@ class Renderer:
 
 @lru_cache(maxsize=1)
 def _kept(
-    program: Program, dtype: str, layout: Layout, content: bytes, many: bool, everywhere: NamedSharding
+    program: Program, dtype: str, engine: Any, layout: Layout, content: bytes, many: bool, everywhere: NamedSharding
 ) -> tuple[jax.Array, Culling | None]:
     """What is prepared of the uniforms with that content: one picture of a scene is often followed by another."""
     numbers = np.frombuffer(content, dtype)
     on_devices = jax.device_put(numbers, everywhere)
     culled = None
     if many:
-        culled = _culled(program, layout)(numbers)
+        culled = _culled(program, engine, layout)(numbers)
         if jax.process_count() > 1:
             culled = jax.tree.map(np.asarray, culled)
         culled = jax.device_put(culled, everywhere)

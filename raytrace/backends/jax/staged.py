@@ -7,8 +7,7 @@ block's rays can meet.
 """
 
 from collections.abc import Callable
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import jax
@@ -17,7 +16,7 @@ from jax import lax
 from jax.ad_checkpoint import checkpoint_name
 
 from raytrace.backends.culling import Beam, Extent, Pencil, Region, outside, primary_rays, shadow_rays
-from raytrace.backends.jax.engines import OneProgram, OwnFunctions, shaped
+from raytrace.backends.jax.engines import Attentive, OneProgram, any_of, shaped
 from raytrace.backends.jax.grid import Grid, candidates, grid
 from raytrace.backends.jax.traced import traced
 from raytrace.language.control import count
@@ -25,7 +24,7 @@ from raytrace.language.glsl import select
 from raytrace.shader.hit import Hit, Nearest
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
-__all__ = ["SEARCHED", "Culling", "Staged", "Visible", "culling"]
+__all__ = ["SEARCHED", "Culling", "Loop", "Staged", "Visible", "culling"]
 
 #: With more spheres than this the small ones are in grids. A block's own rays see fewer spheres than lie between the
 #: surfaces that it sees and the sun, so that a list of them all does for longer.
@@ -58,8 +57,13 @@ class Culling(NamedTuple):
     shadow: Visible | None
 
 
-def culling(uniforms: Uniforms, program: Program) -> Culling:
-    """What is prepared once for all blocks of a picture."""
+def culling(
+    uniforms: Uniforms, program: Program, many: tuple[int, int] = (MANY_FOR_PRIMARY, MANY_FOR_SHADOW)
+) -> Culling:
+    """What is prepared once for all blocks of a picture.
+
+    many: with more spheres than this there are grids, for the camera's rays and for those to the sun.
+    """
     # Which spheres are looked at has no derivative.
     uniforms = lax.stop_gradient(uniforms)
     spheres = uniforms.spheres
@@ -79,8 +83,8 @@ def culling(uniforms: Uniforms, program: Program) -> Culling:
 
     to_sun = shadow_rays(uniforms, program)
     return Culling(
-        visible(primary_rays(uniforms, program), MANY_FOR_PRIMARY),
-        None if to_sun is None else visible(to_sun, MANY_FOR_SHADOW),
+        visible(primary_rays(uniforms, program), many[0]),
+        None if to_sun is None else visible(to_sun, many[1]),
     )
 
 
@@ -103,29 +107,11 @@ class Staged(OneProgram):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Block(OwnFunctions):
-    """The engine for one block of pixels, made anew in each trace: it holds what that trace computes.
+class Block(Attentive):
+    """The engine for one block of pixels. always: true, which the compiler must not know."""
 
-    quadratic: whether the textbook's formula is computed. everything: whether nothing is skipped: then all branches are
-    computed and all lists are full. The bits are the same. always: true, which the compiler must not know.
-    differentiated: whether the picture is being differentiated.
-    """
-
-    quadratic: bool
     culling: Culling
-    everything: Any
     always: Any
-    differentiated: bool
-    #: The pixels of interest within the contexts that are entered, the innermost last; ``None`` for all.
-    contexts: list[jax.Array | None] = field(default_factory=lambda: [None])
-
-    # Two blocks hold different arrays, and are never equal.
-    __eq__ = object.__eq__  # pyright: ignore[reportAssignmentType]
-    __hash__ = object.__hash__
-
-    @property
-    def active(self) -> jax.Array | None:
-        return self.contexts[-1]
 
     def step(self, function: Callable, args: tuple) -> Any:
         leaves, tree = jax.tree.flatten(args, is_leaf=lambda part: not isinstance(part, tuple))
@@ -140,7 +126,7 @@ class Block(OwnFunctions):
     def branch(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
         sides = []
         for taken, function in ((condition, then), (~condition, other)):
-            with self._among(taken) as active:
+            with self.among(taken) as active:
                 sides.append((jnp.any(active) | self.everything, *traced(function, *args)))
         shapes = jax.tree.map(
             lambda a, b: jax.ShapeDtypeStruct(jnp.broadcast_shapes(condition.shape, a.shape, b.shape), a.dtype),
@@ -159,7 +145,7 @@ class Block(OwnFunctions):
 
         def of_part(indices: jax.Array, args: tuple) -> Any:
             some = jax.tree.map(lambda plane: plane.at[indices].get(mode="clip") if jnp.ndim(plane) else plane, args)
-            with self._only(indices < n):
+            with self.only(indices < n):
                 parts = then(*some)
             return jax.tree.map(lambda plane: jnp.broadcast_to(plane, (size,)), parts)
 
@@ -182,31 +168,18 @@ class Block(OwnFunctions):
         if not isinstance(items, Sphere) or visible is None:
             return super().each(items, body, start, args, unroll)
         loop_items, loop_args = lax.stop_gradient((items, args))
-        loop = _Loop(self, visible, loop_items, body, loop_args)
+        loop = Loop(self, visible, loop_items, body, loop_args)
         shape = jax.eval_shape(lambda state: body(state, 0, jax.tree.map(lambda leaf: leaf[0], items), *args), start)
         state = jax.tree.map(lambda leaf: checkpoint_name(leaf, SEARCHED), loop.run(shaped(start, shape)))
         if not (isinstance(start, Hit) and self.differentiated):
             return state
         return self.winner(items, body, start, state.index, args)
 
-    def _among(self, condition: jax.Array) -> Any:
-        """Within this context only those pixels for which `condition` holds are of interest."""
-        return self._only(condition if self.active is None else self.active & condition)
 
-    @contextmanager
-    def _only(self, active: jax.Array):
-        """The same, and whatever was of interest before is not."""
-        self.contexts.append(active)
-        try:
-            yield active
-        finally:
-            self.contexts.pop()
-
-
-class _Loop(NamedTuple):
+class Loop(NamedTuple):
     """``each`` over spheres: first those that the block's rays may meet one by one, then those of each ray's cells."""
 
-    engine: Block
+    engine: Attentive
     visible: Visible
     spheres: Sphere
     body: Callable
@@ -230,7 +203,7 @@ class _Loop(NamedTuple):
             return self._listed(indices, k * size + jnp.arange(size) < grid.large, region, active, state)
 
         state = lax.fori_loop(0, -(-grid.large // size), of_chunk, state)
-        return self._in_cells(grid, where, active, state)
+        return self.in_cells(grid, where, active, state)
 
     def _listed(self, indices: jax.Array, given: jax.Array, region: Region, active: jax.Array, state: Any) -> Any:
         """Over those of the spheres numbered `indices` that a ray of the region can meet."""
@@ -242,30 +215,29 @@ class _Loop(NamedTuple):
 
         def turn(k: jax.Array, state: Any) -> Any:
             i = listed[k]
-            return self._turn(i, jax.tree.map(lambda leaf: leaf[i], self.spheres), state)
+            return self.turn(i, jax.tree.map(lambda leaf: leaf[i], self.spheres), state)
 
-        return self._while_needed(lambda _: number, active, turn, state)
+        return self.while_needed(lambda _: number, active, turn, state)
 
-    def _in_cells(self, grid: Grid, where: Any, active: jax.Array, state: Any) -> Any:
+    def in_cells(self, grid: Grid, where: Any, active: jax.Array, state: Any) -> Any:
         """Over the small spheres, each ray over those of its own cells."""
         asked = candidates(grid, where, active, self.engine.everything, count(self.spheres))
 
         def turn(k: jax.Array, state: Any) -> Any:
             place = asked.place(k)
-            sphere = jax.tree.map(lambda leaf: leaf.at[place].get(mode="promise_in_bounds"), self.visible.by_cell)
-            changed = self._turn(grid.order.at[place].get(mode="promise_in_bounds"), sphere, state)
-            return select(k < asked.total, changed, state)
+            index, sphere = jax.tree.map(lambda leaf: taken(leaf, place), (grid.order, self.visible.by_cell))
+            return select(k < asked.total, self.turn(index, sphere, state), state)
 
-        return self._while_needed(lambda open: jnp.max(jnp.where(open, asked.total, 0)), active, turn, state)
+        return self.while_needed(lambda open: jnp.max(jnp.where(open, asked.total, 0)), active, turn, state)
 
-    def _turn(self, i: jax.Array, sphere: Sphere, state: Any) -> Any:
+    def turn(self, i: jax.Array, sphere: Sphere, state: Any) -> Any:
         changed = self.body(state, i, sphere, *self.args)
         if isinstance(state, Hit) and self.visible.grid is not None:
             # Grids are not in the spheres' order. Of spheres at equal t the last one in it wins all the same.
             changed = select((changed.t == state.t) & (i < state.index), state, changed)
         return shaped(changed, state)
 
-    def _while_needed(self, rounds: Callable, active: jax.Array, turn: Callable, state: Any) -> Any:
+    def while_needed(self, rounds: Callable, active: jax.Array, turn: Callable, state: Any) -> Any:
         """`turn(k, state)` for k from 0 to `rounds(open)`, as long as it can change an `active` ray that is open."""
         if isinstance(state, tuple):
             return lax.fori_loop(0, rounds(active), turn, state)
@@ -273,13 +245,18 @@ class _Loop(NamedTuple):
         def rounds_left(blocked: jax.Array) -> jax.Array:
             # One sphere is enough for a shadow.
             open = active & ~blocked
-            return jnp.where(jnp.any(open) | self.engine.everything, rounds(open | self.engine.everything), 0)
+            return jnp.where(any_of(open) | self.engine.everything, rounds(open | self.engine.everything), 0)
 
         def more(carry: tuple) -> jax.Array:
             k, blocked = carry
             return k < rounds_left(blocked)
 
         return lax.while_loop(more, lambda carry: (carry[0] + 1, turn(*carry)), (jnp.int32(0), state))[1]
+
+
+def taken(leaf: Any, places: jax.Array) -> jax.Array:
+    """Return the items at `places`, all of which exist."""
+    return leaf.at[places].get(mode="promise_in_bounds") if isinstance(leaf, jax.Array) else leaf[places]
 
 
 def computed_if(needed: jax.Array, function: Callable, shapes: Any, args: Any) -> Any:

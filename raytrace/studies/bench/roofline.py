@@ -49,7 +49,7 @@ def cost_of_a_tile(rendering: Rendering) -> tuple[dict[str, float], int]:
     renderer: Any = rendering.renderer
     width, height, _ = rendering.frame
     devices = renderer.devices.size
-    tiles = tiles_of(renderer.job, height, -(-width // devices))
+    tiles = tiles_of(renderer.engine, renderer.job, height, -(-width // devices))
     return renderer.executable(height).cost_analysis(), tiles.down * tiles.across * devices
 
 

@@ -1,0 +1,64 @@
+"""Which engine draws where: tiles and steps on a CPU, one kernel on a GPU of NVIDIA's, one fusion elsewhere.
+
+XLA compiles the same text very differently for a CPU and for a GPU. On a CPU it copies cheap producers into every
+consumer, and control flow stops that; on a GPU every tile, branch and turn of a loop is a launch or a round trip.
+"""
+
+from dataclasses import replace
+from functools import cache
+from importlib.util import find_spec
+from typing import Any
+
+from raytrace.backends.jax.engines import Fused
+from raytrace.backends.jax.kernel import Kernels
+from raytrace.backends.jax.staged import Staged
+from raytrace.backends.jax.stored import choices_as_text
+from raytrace.backends.job import Job
+
+__all__ = ["ENGINES", "engine_of", "platform_of"]
+
+#: By the names that `raytrace.render` takes.
+ENGINES: dict[str, Any] = {"staged": Staged(), "fused": Fused(), "kernel": Kernels()}
+
+#: A tile of so many pixels at least is a whole image or band: where each control word costs a launch, one is enough.
+WHOLE = 1 << 22
+
+#: With more spheres than this a list that every pixel walks through takes longer than a grid.
+MANY_FOR_A_FUSION = 32
+
+
+def platform_of(device: Any) -> str:
+    """Return the platform of a device by the name that JAX lowers for: "cpu", "cuda", "rocm", "tpu"."""
+    if device.platform != "gpu":
+        return device.platform
+    return "rocm" if "rocm" in device.client.platform_version.lower() else "cuda"
+
+
+def engine_of(job: Job, platform: str, spheres: int) -> Any:
+    """Return the engine that the job asks for, or the fastest one on that platform for so many spheres.
+
+    platform: also "differentiated", for what an accelerator is to differentiate.
+    """
+    chosen = job.engine
+    if chosen is None:
+        chosen = {"cpu": "staged", "cuda": "kernel"}.get(platform, "fused")
+    if not isinstance(chosen, str):
+        # The settings of a kernel are those of what has no derivative.
+        return ENGINES["fused"] if platform == "differentiated" and isinstance(chosen, Kernels) else chosen
+    if chosen == "kernel" and (platform == "differentiated" or not _has_a_kernel(job)):
+        chosen = "fused"
+    if chosen == "fused" and (spheres > MANY_FOR_A_FUSION or job.program.antialias == "edges"):
+        return Staged(block=WHOLE)
+    engine = ENGINES[chosen]
+    return replace(engine, interpreted=True) if chosen == "kernel" and platform != "cuda" else engine
+
+
+def _has_a_kernel(job: Job) -> bool:
+    """Whether a kernel can draw it: not the text of edges, nor functions of a user's, of which Pallas knows too few."""
+    return job.program.antialias == "none" and choices_as_text(job.program) is not None and _pallas()
+
+
+@cache
+def _pallas() -> bool:
+    """Whether this JAX has Pallas with Triton, which is deprecated from 0.11 on."""
+    return find_spec("jax.experimental.pallas.triton") is not None

@@ -1,0 +1,123 @@
+"""A traced picture as a primitive of JAX, whose engine is known where it is lowered for a platform.
+
+JAX traces a user's program once and lowers it for a CPU, a GPU or both. So a picture within it is one operation, which
+becomes an engine's text there: a kernel has no derivative of JAX's. A picture that is differentiated is drawn, with its
+derivative, by operations that JAX knows.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache, partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import core
+from jax.extend.core import Primitive
+from jax.interpreters import batching, mlir
+
+from raytrace.backends.jax.choice import engine_of
+from raytrace.backends.jax.draw import draw_part, prepare_spheres
+from raytrace.backends.jax.kernel import MANY, Where
+from raytrace.backends.job import Job
+from raytrace.language.control import count
+from raytrace.shader.main import COMPONENTS
+from raytrace.shader.uniforms import Uniforms
+
+__all__ = ["traced_picture"]
+
+
+def traced_picture(job: Job, rows: int, uniforms: Uniforms, mode: Any, first: Any) -> dict[str, jax.Array]:
+    """Return the steps that the job keeps, for `rows` rows from row `first` on: arrays (rows, width, components)."""
+    leaves, tree = jax.tree.flatten(uniforms)
+
+    @jax.custom_jvp
+    def picture(leaves: list[jax.Array], mode: Any, first: Any) -> list[jax.Array]:
+        return _picture.bind(*leaves, mode, first, job=job, rows=rows, tree=tree, batched=())
+
+    @picture.defjvp
+    def _(primals: tuple, tangents: tuple) -> tuple:
+        leaves, mode, first = primals
+        return jax.jvp(lambda leaves: drawn("differentiated", leaves, mode, first), (leaves,), tangents[:1])
+
+    def drawn(platform: str, leaves: list[jax.Array], mode: Any, first: Any) -> list[jax.Array]:
+        return _drawn(platform, *leaves, mode, first, job=job, rows=rows, tree=tree)
+
+    return dict(zip(job.keep, picture(leaves, mode, first), strict=True))
+
+
+def _drawn(platform: str, *operands: Any, job: Job, rows: int, tree: Any) -> list[jax.Array]:
+    """The images of uniforms without a batch. operands: the uniforms' leaves, the mode, the first row."""
+    uniforms, where = tree.unflatten(operands[: tree.num_leaves]), Where(*operands[tree.num_leaves :], 0)
+    differentiated = platform == "differentiated"
+    engine = engine_of(job, platform, count(uniforms.spheres))
+    culled = prepare_spheres(engine, uniforms, job.program)
+    images = draw_part(job, engine, rows, job.frame.width, uniforms, culled, where, differentiated)
+    return [images[name] for name in job.keep]
+
+
+def _batch(operands: Sequence[Any], batched: tuple[bool, ...]) -> tuple[int, ...]:
+    """The shape of the batch: () or (n,)."""
+    return next(((x.shape[0],) for x, many in zip(operands, batched, strict=True) if many), ()) if batched else ()
+
+
+def _shapes(*operands: Any, job: Job, rows: int, tree: Any, batched: tuple[bool, ...]) -> list[Any]:
+    def shape(name: str) -> Any:
+        dtype = np.dtype("int32" if name == "index" else job.dtype)
+        return core.ShapedArray((*_batch(operands, batched), rows, job.frame.width, COMPONENTS[name]), dtype)
+
+    return [shape(name) for name in job.keep]
+
+
+def _on(platform: str) -> Callable:
+    """What the primitive is on a platform."""
+
+    def drawn(*operands: Any, batched: tuple[bool, ...], **params: Any) -> Any:
+        if not batched:
+            return _drawn(platform, *operands, **params)
+        # Many small pictures of few spheres leave a kernel little to skip; a fusion shares what pixels have in common.
+        one = [x[0] if many else x for x, many in zip(operands, batched, strict=True)]
+        job, spheres = params["job"], count(params["tree"].unflatten(one[:-2]).spheres)
+        plain = job.engine is None and job.frame.samples == 1 and spheres <= MANY
+        function = partial(_drawn, "another" if plain else platform, **params)
+        return jax.vmap(function, tuple(0 if many else None for many in batched))(*operands)
+
+    return mlir.lower_fun(drawn, multiple_results=True)
+
+
+def _batched(operands: Sequence[Any], axes: Sequence[Any], batched: tuple[bool, ...], **params: Any) -> tuple:
+    """One batch of pictures; two are one of all pairs, as a kernel has room for one."""
+    n = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
+    moved = [x if axis is None else jnp.moveaxis(x, axis, 0) for x, axis in zip(operands, axes, strict=True)]
+    now = tuple(axis is not None for axis in axes)
+    if not batched:
+        images = _picture.bind(*moved, batched=now, **params)
+        return images, [0] * len(images)
+    inner = next(x.shape[new] for x, old, new in zip(moved, batched, now, strict=True) if old)
+
+    def paired(x: Any, old: bool, new: bool) -> Any:
+        if not (old or new):
+            return x
+        own = x.shape[old + new :]
+        x = x.reshape(n if new else 1, inner if old else 1, *own)
+        return jnp.broadcast_to(x, (n, inner, *own)).reshape(n * inner, *own)
+
+    pairs = [paired(*each) for each in zip(moved, batched, now, strict=True)]
+    either = tuple(old or new for old, new in zip(batched, now, strict=True))
+    images = _picture.bind(*pairs, batched=either, **params)
+    return [image.reshape(n, inner, *image.shape[1:]) for image in images], [0] * len(images)
+
+
+@lru_cache(maxsize=32)
+def _compiled(**params: Any) -> Callable:
+    return jax.jit(lambda *operands: _picture.bind(*operands, **params))
+
+
+_picture = Primitive("raytrace_picture")
+_picture.multiple_results = True
+_picture.def_abstract_eval(_shapes)
+_picture.def_impl(lambda *operands, **params: _compiled(**params)(*operands))
+mlir.register_lowering(_picture, _on("another"))
+for _platform in ("cpu", "cuda"):
+    mlir.register_lowering(_picture, _on(_platform), platform=_platform)
+batching.primitive_batchers[_picture] = _batched

@@ -1,0 +1,186 @@
+"""The engines of JAX by name: those of accelerators, on a CPU."""
+
+import warnings
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import raytrace
+from raytrace.backends.jax.choice import engine_of, platform_of
+from raytrace.backends.jax.kernel import Images, Kernels, Where, draw_by_kernel, prepared
+from raytrace.backends.jax.staged import Staged
+from raytrace.rendering import Options, Rendering
+from raytrace.scene.toml import scenes
+from raytrace.studies.bench.crowds import crowd
+from tests.scenes import some
+
+ACCELERATORS = ("fused", "kernel")
+SIZE = (19, 11)
+#: One scene of each kind by default: a pattern, tilted planes, a parallel projection, many spheres.
+SOME = ("checkerboard", "two-tilted-planes", "orthographic", "two-hundred-spheres")
+
+
+def assert_nearly(image, reference, most=2e-5):
+    """Equal but at pixels on an edge, of which rounding decides."""
+    apart = np.abs(np.asarray(image, np.float64) - np.asarray(reference, np.float64)).max(axis=-1)
+    assert np.median(apart) < 1e-6
+    assert (apart > most).sum() <= 0.02 * apart.size
+
+
+@pytest.mark.parametrize("engine", ACCELERATORS)
+@pytest.mark.parametrize("scene", some(scenes(), *SOME))
+def test_every_engine_draws_what_numpy_draws(scene, engine):
+    reference = raytrace.render(scene, SIZE, backend="numpy", output="linear", dtype="float32")
+    assert_nearly(raytrace.render(scene, SIZE, output="linear", engine=engine), reference, 2e-5 * reference.max())
+
+
+@pytest.mark.parametrize("engine", ACCELERATORS)
+def test_every_step_is_drawn(engine):
+    ours = raytrace.render("checkerboard", SIZE, output="steps", engine=engine)
+    staged = raytrace.render("checkerboard", SIZE, output="steps")
+    assert list(ours) == list(staged)
+    for name, step in staged.items():
+        assert ours[name].shape == step.shape
+        assert ours[name].dtype == step.dtype
+        if step.dtype == np.int32:
+            np.testing.assert_array_equal(ours[name], step)
+
+
+@pytest.mark.parametrize("engine", ACCELERATORS)
+def test_in_float64_engines_agree_closely(engine):
+    ours = raytrace.render("two-tilted-planes", SIZE, dtype="float64", engine=engine)
+    reference = raytrace.render("two-tilted-planes", SIZE, backend="numpy", dtype="float64")
+    assert np.abs(ours - reference).max() < 1e-12
+
+
+@pytest.mark.parametrize("engine", ACCELERATORS)
+def test_samples(engine):
+    ours = raytrace.render("spheres", SIZE, samples=3, engine=engine)
+    assert_nearly(ours, raytrace.render("spheres", SIZE, samples=3, backend="numpy"))
+
+
+def test_a_kernel_draws_any_part():
+    whole = np.asarray(raytrace.render("spheres", SIZE, engine="kernel"))
+    rendering = Rendering(Options("spheres", SIZE, engine="kernel"))
+    for x, y in ((0, 0), (18, 10), (9, 5)):
+        np.testing.assert_array_equal(rendering.pixel(x, y), whole[y, x])
+
+
+def test_skipping_changes_no_bit_of_a_kernel():
+    for scene in ("checkerboard", "two-hundred-spheres"):
+        skipping, whole = (raytrace.render(scene, SIZE, engine="kernel", skip=skip) for skip in (True, False))
+        np.testing.assert_array_equal(skipping, whole)
+
+
+def with_sun(scene, direction):
+    return replace(scene, sun=replace(scene.sun, direction=direction))
+
+
+@pytest.mark.parametrize("engine", some(ACCELERATORS, "kernel"))
+@pytest.mark.parametrize("spheres", some((6, 60), 60))
+def test_derivatives_are_the_staged_engine_s(spheres, engine):
+    scene = crowd(spheres)
+    weights = jnp.asarray(np.random.default_rng(3).normal(size=(SIZE[1], SIZE[0], 3)), jnp.float32)
+    suns = jnp.asarray([[1, 1.5, 0.3], [0.2, 0.7, 1]], jnp.float32)
+
+    def loss(engine):
+        return lambda sun: jnp.sum(raytrace.render(with_sun(scene, sun), SIZE, output="linear", engine=engine) * weights)
+
+    value, slope = jax.jit(jax.vmap(jax.value_and_grad(loss(engine))))(suns)
+    staged = jax.jit(jax.value_and_grad(loss(None)))
+    for i, sun in enumerate(suns):
+        expected = staged(sun)
+        # A pixel of an edge may be another's in this arithmetic.
+        np.testing.assert_allclose(value[i], expected[0], rtol=2e-2, atol=2e-2)
+        np.testing.assert_allclose(slope[i], expected[1], rtol=2e-2, atol=2e-2)
+
+
+@pytest.mark.parametrize("engine", some(ACCELERATORS, "kernel"))
+def test_derivatives_of_each_channel_and_second_ones_are_finite(engine):
+    """A compiler may multiply by an exponent, 2400, before the zero of a channel that nobody asks for."""
+    scene = raytrace.load_scene("checkerboard")
+
+    def channels(sun):
+        return raytrace.render(with_sun(scene, sun), SIZE, engine=engine).mean((0, 1))
+
+    sun = jnp.asarray(scene.sun.direction, jnp.float32)
+    slopes, bend = jax.jit(lambda sun: (jax.jacrev(channels)(sun), jax.hessian(lambda sun: channels(sun)[0])(sun)))(sun)
+    assert np.isfinite(slopes).all()
+    assert np.isfinite(bend).all()
+    np.testing.assert_allclose(bend, bend.T, atol=1e-3)
+
+
+def test_a_batch_of_batches_is_all_pairs():
+    scene = raytrace.load_scene("spheres")
+    suns = jnp.asarray([[1, 1.5, 0.3], [0.2, 0.7, 1]], jnp.float32)
+    colours = jnp.asarray([[1, 1, 1], [2, 1, 0.5], [0, 0.1, 0.2]], jnp.float32)
+
+    def picture(sun, colour):
+        changed = replace(scene, sun=replace(scene.sun, direction=sun, color=colour))
+        return raytrace.render(changed, (6, 4), output="linear", engine="kernel")
+
+    pairs = jax.vmap(jax.vmap(picture, (None, 0)), (0, None))(suns, colours)
+    assert pairs.shape == (2, 3, 4, 6, 3)
+    for i, sun in enumerate(suns):
+        for j, colour in enumerate(colours):
+            np.testing.assert_allclose(pairs[i, j], picture(sun, colour), rtol=1e-5, atol=1e-6)
+
+
+def test_edges_and_functions_of_a_user_s_have_no_kernel():
+    edges = Rendering(Options("checkerboard", SIZE, antialias="edges", engine="kernel")).renderer
+    assert isinstance(edges.engine, Staged)
+    scene = raytrace.load_scene("sphere")
+    own = replace(scene, film=replace(scene.film, tone_mapper=lambda x: x / (1 + x)))
+    assert not isinstance(Rendering(Options(own, SIZE, engine="kernel")).renderer.engine, Kernels)
+    assert_nearly(raytrace.render(own, SIZE, engine="kernel"), raytrace.render(own, SIZE))
+
+
+def test_the_platform_chooses():
+    renderer = Rendering(Options("checkerboard", SIZE)).renderer
+    assert platform_of(jax.devices("cpu")[0]) == "cpu"
+    assert isinstance(engine_of(renderer.job, "cpu", 6), Staged)
+    assert engine_of(renderer.job, "cuda", 6) == Kernels()
+    assert engine_of(renderer.job, "tpu", 6) != Kernels()
+    assert isinstance(engine_of(renderer.job, "tpu", 1000), Staged)
+
+
+def test_an_unknown_engine_is_one_line():
+    with pytest.raises(raytrace.InputError, match=r"^engine: .*'quick'"):
+        raytrace.render("sphere", SIZE, engine="quick")
+    with pytest.raises(raytrace.InputError, match="^engine: backend numpy"):
+        raytrace.render("sphere", SIZE, backend="numpy", engine="kernel")
+
+
+@pytest.mark.parametrize("scene", some(scenes(), *SOME))
+def test_the_kernel_can_be_lowered_for_a_gpu(scene):
+    """Pallas knows every operation of the text: what it does not know fails here and not on a GPU."""
+    renderer = Rendering(Options(scene, SIZE, output="steps")).renderer
+    images = Images(renderer.job, SIZE[1], SIZE[0], Kernels())
+
+    def drawn(numbers):
+        uniforms = renderer.layout.unpack(numbers)
+        return draw_by_kernel(images, uniforms, prepared(uniforms, renderer.job.program), Where(0, 0, 0))
+
+    with warnings.catch_warnings():
+        # From 0.11 on JAX announces that it will leave Triton to others.
+        warnings.filterwarnings("ignore", "The Pallas Triton backend is deprecated", DeprecationWarning)
+        try:
+            lowered = jax.jit(drawn).trace(jnp.asarray(renderer.numbers)).lower(lowering_platforms=("cuda",))
+        except RuntimeError as error:
+            if "No supported GPU devices" in str(error):
+                pytest.skip("this JAX lowers kernels only where it sees a GPU")
+            raise
+    assert "triton" in lowered.as_text()
+
+
+def test_arrays_that_are_changed_in_place_are_seen():
+    scene = raytrace.load_scene("spheres")
+    before = np.asarray(raytrace.render(scene, SIZE))
+    np.testing.assert_array_equal(raytrace.render(scene, SIZE), before)
+    scene.spheres.color[:] = 0.5 * scene.spheres.color
+    after = np.asarray(raytrace.render(scene, SIZE))
+    assert (after != before).any()
+    np.testing.assert_array_equal(after, raytrace.render(replace(scene), SIZE))
