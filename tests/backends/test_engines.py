@@ -1,6 +1,7 @@
 """The engines of JAX by name: those of accelerators, on a CPU."""
 
 import warnings
+from contextlib import nullcontext
 from dataclasses import replace
 
 import jax
@@ -87,7 +88,9 @@ def test_derivatives_are_the_staged_engine_s(spheres, engine):
     suns = jnp.asarray([[1, 1.5, 0.3], [0.2, 0.7, 1]], jnp.float32)
 
     def loss(engine):
-        return lambda sun: jnp.sum(raytrace.render(with_sun(scene, sun), SIZE, output="linear", engine=engine) * weights)
+        return lambda sun: jnp.sum(
+            raytrace.render(with_sun(scene, sun), SIZE, output="linear", engine=engine) * weights
+        )
 
     value, slope = jax.jit(jax.vmap(jax.value_and_grad(loss(engine))))(suns)
     staged = jax.jit(jax.value_and_grad(loss(None)))
@@ -164,16 +167,32 @@ def test_the_kernel_can_be_lowered_for_a_gpu(scene):
         uniforms = renderer.layout.unpack(numbers)
         return draw_by_kernel(images, uniforms, prepared(uniforms, renderer.job.program), Where(0, 0, 0))
 
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), a_gpu():
         # From 0.11 on JAX announces that it will leave Triton to others.
         warnings.filterwarnings("ignore", "The Pallas Triton backend is deprecated", DeprecationWarning)
-        try:
-            lowered = jax.jit(drawn).trace(jnp.asarray(renderer.numbers)).lower(lowering_platforms=("cuda",))
-        except RuntimeError as error:
-            if "No supported GPU devices" in str(error):
-                pytest.skip("this JAX lowers kernels only where it sees a GPU")
-            raise
+        lowered = jax.jit(drawn).trace(jnp.asarray(renderer.numbers)).lower(lowering_platforms=("cuda",))
     assert "triton" in lowered.as_text()
+
+
+def a_gpu():
+    """A GPU that JAX lowers for without having one; older JAX does not ask which it is."""
+    if not hasattr(jax.sharding, "AbstractDevice"):
+        return nullcontext()
+    device = jax.sharding.AbstractDevice(device_kind="NVIDIA H100", num_cores=132, platform="gpu")
+    return jax.sharding.use_abstract_mesh(jax.sharding.AbstractMesh((), (), abstract_device=device))
+
+
+def test_where_pallas_cannot_xla_draws(monkeypatch, caplog):
+    def cannot(*_, **__):
+        raise RuntimeError("No supported GPU devices found")
+
+    expected = raytrace.render("spheres", SIZE, engine="fused")
+    renderer = Rendering(Options("spheres", SIZE)).renderer
+    renderer.engine = replace(Kernels(), tile_height=4)
+    monkeypatch.setattr("raytrace.backends.jax.kernel._Given.called", cannot)
+    with caplog.at_level("WARNING", "raytrace"):
+        np.testing.assert_array_equal(renderer.draw(0, SIZE[1])["display"], expected)
+    assert "Pallas" in caplog.text
 
 
 def test_arrays_that_are_changed_in_place_are_seen():

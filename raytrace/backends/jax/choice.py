@@ -4,6 +4,8 @@ XLA compiles the same text very differently for a CPU and for a GPU. On a CPU it
 consumer, and control flow stops that; on a GPU every tile, branch and turn of a loop is a launch or a round trip.
 """
 
+import logging
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
@@ -15,7 +17,9 @@ from raytrace.backends.jax.staged import Staged
 from raytrace.backends.jax.stored import choices_as_text
 from raytrace.backends.job import Job
 
-__all__ = ["ENGINES", "engine_of", "platform_of"]
+__all__ = ["ENGINES", "WHOLE", "engine_of", "or_fused", "platform_of"]
+
+LOG = logging.getLogger("raytrace")
 
 #: By the names that `raytrace.render` takes.
 ENGINES: dict[str, Any] = {"staged": Staged(), "fused": Fused(), "kernel": Kernels()}
@@ -51,6 +55,25 @@ def engine_of(job: Job, platform: str, spheres: int) -> Any:
         return Staged(block=WHOLE)
     engine = ENGINES[chosen]
     return replace(engine, interpreted=True) if chosen == "kernel" and platform != "cuda" else engine
+
+
+def or_fused(job: Job, engine: Any, spheres: int, lowered: Callable[[Any], Any]) -> Any:
+    """Return `lowered(engine)`; where Pallas cannot lower a kernel that nobody asked for, what XLA draws by itself.
+
+    Pallas for Triton knows a list of GPUs, and JAX will leave it to others.
+    """
+    try:
+        return lowered(engine)
+    except (ImportError, NotImplementedError, RuntimeError, ValueError) as error:
+        if not isinstance(engine, Kernels) or job.engine is not None:
+            raise
+        _tell(str(error).partition("\n")[0])
+        return lowered(engine_of(job, "another", spheres))
+
+
+@cache
+def _tell(reason: str) -> None:
+    LOG.warning("Pallas has no kernel for this GPU (%s); XLA draws instead", reason)
 
 
 def _has_a_kernel(job: Job) -> bool:

@@ -16,7 +16,7 @@ from jax import core
 from jax.extend.core import Primitive
 from jax.interpreters import batching, mlir
 
-from raytrace.backends.jax.choice import engine_of
+from raytrace.backends.jax.choice import engine_of, or_fused
 from raytrace.backends.jax.draw import draw_part, prepare_spheres
 from raytrace.backends.jax.kernel import MANY, Where
 from raytrace.backends.job import Job
@@ -38,19 +38,16 @@ def traced_picture(job: Job, rows: int, uniforms: Uniforms, mode: Any, first: An
     @picture.defjvp
     def _(primals: tuple, tangents: tuple) -> tuple:
         leaves, mode, first = primals
-        return jax.jvp(lambda leaves: drawn("differentiated", leaves, mode, first), (leaves,), tangents[:1])
-
-    def drawn(platform: str, leaves: list[jax.Array], mode: Any, first: Any) -> list[jax.Array]:
-        return _drawn(platform, *leaves, mode, first, job=job, rows=rows, tree=tree)
+        engine = engine_of(job, "differentiated", count(uniforms.spheres))
+        drawn = partial(_drawn, engine, True, job=job, rows=rows, tree=tree)
+        return jax.jvp(lambda leaves: drawn(*leaves, mode, first), (leaves,), tangents[:1])
 
     return dict(zip(job.keep, picture(leaves, mode, first), strict=True))
 
 
-def _drawn(platform: str, *operands: Any, job: Job, rows: int, tree: Any) -> list[jax.Array]:
+def _drawn(engine: Any, differentiated: bool, *operands: Any, job: Job, rows: int, tree: Any) -> list[jax.Array]:
     """The images of uniforms without a batch. operands: the uniforms' leaves, the mode, the first row."""
     uniforms, where = tree.unflatten(operands[: tree.num_leaves]), Where(*operands[tree.num_leaves :], 0)
-    differentiated = platform == "differentiated"
-    engine = engine_of(job, platform, count(uniforms.spheres))
     culled = prepare_spheres(engine, uniforms, job.program)
     images = draw_part(job, engine, rows, job.frame.width, uniforms, culled, where, differentiated)
     return [images[name] for name in job.keep]
@@ -70,19 +67,26 @@ def _shapes(*operands: Any, job: Job, rows: int, tree: Any, batched: tuple[bool,
 
 
 def _on(platform: str) -> Callable:
-    """What the primitive is on a platform."""
+    """How the primitive is lowered for a platform."""
 
-    def drawn(*operands: Any, batched: tuple[bool, ...], **params: Any) -> Any:
-        if not batched:
-            return _drawn(platform, *operands, **params)
+    def lowered(context: Any, *operands: Any, batched: tuple[bool, ...], **params: Any) -> Any:
+        job, tree = params["job"], params["tree"]
+        many = batched or (False,) * len(operands)
+        one = [jax.ShapeDtypeStruct(x.shape[axis:], x.dtype) for x, axis in zip(context.avals_in, many, strict=True)]
+        spheres = count(tree.unflatten(one[: tree.num_leaves]).spheres)
         # Many small pictures of few spheres leave a kernel little to skip; a fusion shares what pixels have in common.
-        one = [x[0] if many else x for x, many in zip(operands, batched, strict=True)]
-        job, spheres = params["job"], count(params["tree"].unflatten(one[:-2]).spheres)
-        plain = job.engine is None and job.frame.samples == 1 and spheres <= MANY
-        function = partial(_drawn, "another" if plain else platform, **params)
-        return jax.vmap(function, tuple(0 if many else None for many in batched))(*operands)
+        plain = batched and job.engine is None and job.frame.samples == 1 and spheres <= MANY
+        engine = engine_of(job, "another" if plain and platform != "cpu" else platform, spheres)
 
-    return mlir.lower_fun(drawn, multiple_results=True)
+        def by(engine: Any) -> Any:
+            function = partial(_drawn, engine, False, **params)
+            if batched:
+                function = jax.vmap(function, tuple(0 if axis else None for axis in batched))
+            return mlir.lower_fun(function, multiple_results=True)(context, *operands)
+
+        return or_fused(job, engine, spheres, by)
+
+    return lowered
 
 
 def _batched(operands: Sequence[Any], axes: Sequence[Any], batched: tuple[bool, ...], **params: Any) -> tuple:

@@ -13,7 +13,7 @@ import numpy as np
 from jax import lax
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
-from raytrace.backends.jax.choice import engine_of, platform_of
+from raytrace.backends.jax.choice import engine_of, or_fused, platform_of
 from raytrace.backends.jax.devices import check_devices, fetched, hint_at_cores, mesh, one_device, x64_mode
 from raytrace.backends.jax.draw import draw, prepare_spheres, trimmed
 from raytrace.backends.jax.forward import by_forward_mode
@@ -88,11 +88,15 @@ def _compiled(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, c
     numbers = given((layout.size,), job.dtype)
     scalars = given((), np.int32), given((), np.int32)
 
-    def drawn(numbers: jax.Array, culled: Any, mode: Any, first: Any) -> dict[str, jax.Array]:
-        return draw(job, engine, rows, devices, False, layout.unpack(numbers), culled, mode, first)
+    def by(engine: Any) -> Any:
+        def drawn(numbers: jax.Array, culled: Any, mode: Any, first: Any) -> dict[str, jax.Array]:
+            return draw(job, engine, rows, devices, False, layout.unpack(numbers), culled, mode, first)
+
+        return jax.jit(drawn, compiler_options=OPTIONS).lower(numbers, culled, *scalars)
 
     def compiled() -> Any:
-        return jax.jit(drawn, compiler_options=OPTIONS).lower(numbers, culled, *scalars).compile()
+        uniforms = layout.tree.unflatten(given(shape, job.dtype) for shape in layout.shapes)
+        return or_fused(job, engine, count(uniforms.spheres), by).compile()
 
     return stored(_name(job, engine, rows, devices, layout, culled), list(devices.devices.flat), compiled)
 
