@@ -57,7 +57,7 @@ def test_every_derivative_of_the_built_in_scenes_is_finite(name):
 @st.composite
 def worlds(draw):
     """Scenes of one structure, for which the gradient is compiled once: their numbers are anything."""
-    spheres_ = draw(spheres(3, 3))
+    spheres_ = draw(spheres(2, 2))
     board = raytrace.Plane(draw(positions), draw(directions), raytrace.Checkerboard(draw(numbers(0.125, 4))))
     slope = raytrace.Plane(draw(positions), draw(directions), raytrace.Plain(draw(colors)), casts_shadow=True)
     position, angle, rise = draw(positions), draw(st.sampled_from([0.0, 0.7, 3.1])), draw(numbers(-1, 1))
@@ -82,7 +82,7 @@ def scaled(size):
     scene = raytrace.load_scene("checkerboard")
     spheres_, plane, camera = scene.spheres, scene.planes[0], scene.camera
     return raytrace.Scene(
-        spheres=raytrace.Spheres(spheres_.center[:3] * size, spheres_.radius[:3] * 5 * size, spheres_.color[:3]),
+        spheres=raytrace.Spheres(spheres_.center[:2] * size, spheres_.radius[:2] * 5 * size, spheres_.color[:2]),
         planes=(
             raytrace.Plane(plane.point * size, plane.normal, raytrace.Checkerboard(2 * size)),
             raytrace.Plane(plane.point * size, plane.normal, raytrace.Plain([1, 1, 1]), casts_shadow=True),

@@ -103,9 +103,9 @@ def test_spheres_that_are_left_out_change_no_bound(monkeypatch):
     from raytrace.arithmetic.intervals import paths
 
     scene = "two-hundred-spheres"
-    culled = certify(scene, (24, 14), precision="glsl-highp", intersection="textbook")
+    culled = certify(scene, SMALL, precision="glsl-highp", intersection="textbook")
     monkeypatch.setattr(paths, "candidates", lambda body, start, spheres, rays: range(len(spheres.radius.low)))
-    full = certify(scene, (24, 14), precision="glsl-highp", intersection="textbook")
+    full = certify(scene, SMALL, precision="glsl-highp", intersection="textbook")
     for values in ("display", "linear"):
         for a, b in zip(getattr(culled.bounds, values), getattr(full.bounds, values), strict=True):
             np.testing.assert_array_equal(a, b)
