@@ -57,12 +57,12 @@ def planes(draw):
 
 
 @st.composite
-def cameras(draw):
-    """A camera somewhere, turned about y first: it never looks along up."""
+def cameras(draw, orthographic=None):
+    """A camera somewhere, turned about y first: it never looks along up. Of either kind, unless that is given."""
     position = np.array(draw(positions))
     angle, height = draw(numbers(-3, 3)), draw(numbers(-1, 1))
     placed = {"position": position, "target": position + np.array([np.sin(angle), height, np.cos(angle)])}
-    if draw(st.booleans()):
+    if not (draw(st.booleans()) if orthographic is None else orthographic):
         return raytrace.PerspectiveCamera(**placed, field_of_view=draw(numbers(10, 120)))
     return raytrace.OrthographicCamera(**placed, height=draw(numbers(0.5, 20)))
 

@@ -16,8 +16,8 @@ from raytrace.backends.job import Job
 from raytrace.rendering import Options, Rendering
 from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
-from tests.scenes import SEVERAL_SCENES, examples, some
-from tests.strategies import many, scenes
+from tests.scenes import SEVERAL_SCENES, examples, filled, some
+from tests.strategies import cameras, colors, directions, many, numbers, positions, spheres
 
 SIZE = 96, 54
 STEPS = ("t", "index", "shadow", "linear", "display")
@@ -46,9 +46,11 @@ def assert_same_bits(skipped, full):
 @SEVERAL_SCENES
 def test_every_scene(name):
     scene = raytrace.load_scene(name)
+    if len(scene.spheres.radius) and scene.lighting != "off":
+        scene = filled(scene)
     # Shadows as the step 'shadow' asks for them at every pixel, and as the picture needs them.
     assert_same_bits(*both(scene))
-    if scene.lighting == "shadow":
+    if len(scene.spheres.radius) and scene.lighting == "shadow":
         assert_same_bits(*both(scene, keep=("linear", "index")))
 
 
@@ -57,7 +59,7 @@ TEXTBOOK = [(name, dtype) for name in ("checkerboard", "huge-sphere-as-ground") 
 
 @pytest.mark.parametrize(("name", "dtype"), some(TEXTBOOK, ("huge-sphere-as-ground", "float64")))
 def test_the_textbooks_formula(name, dtype):
-    assert_same_bits(*both(raytrace.load_scene(name), dtype=dtype, intersection="textbook"))
+    assert_same_bits(*both(filled(raytrace.load_scene(name)), dtype=dtype, intersection="textbook"))
 
 
 @pytest.mark.parametrize(
@@ -67,23 +69,40 @@ def test_shadow_rays_that_start_on_the_surface(name):
     assert_same_bits(*both(raytrace.load_scene(name), shadow_start="surface"))
 
 
-@pytest.mark.parametrize("name", some(["lit-sphere", "many spheres"], "lit-sphere"))
+@pytest.mark.parametrize("name", some(["sphere", "many spheres"], "sphere"))
 def test_edges(name):
     """What a pixel may see of a sphere beside it is not skipped either."""
     if name == "many spheres":
-        scene = replace(raytrace.load_scene("checkerboard"), spheres=many(40))
+        plain = raytrace.Plane(pattern=raytrace.Plain([0.5, 0.5, 0.5]))
+        scene = replace(raytrace.load_scene("checkerboard"), spheres=many(40), planes=(plain,))
     else:
         scene = raytrace.load_scene(name)
     assert_same_bits(*both(scene, keep=("linear",), antialias="edges"))
 
 
-@examples(1, 4)
-@hypothesis.given(
-    scene=scenes(),
-    intersection=st.sampled_from(["robust", "textbook"]),
-    shadow_start=st.sampled_from(["offset", "surface"]),
-)
-def test_random_scenes(scene, intersection, shadow_start):
+#: Structures of scenes, for each of which there is one program: the lighting, whether the camera is orthographic, the
+#: formula, the start of shadow rays, and which of two planes cast shadows. The first two are those of `filled`.
+STRUCTURES = [
+    ("shadow", False, "robust", "offset", (False, False)),
+    ("shadow", False, "textbook", "offset", (False, False)),
+    ("shadow", True, "robust", "surface", (False, True)),
+    ("on", False, "robust", "offset", (True, False)),
+]
+
+
+@pytest.mark.parametrize("structure", some([(each,) for each in STRUCTURES], (STRUCTURES[0],)), ids=str)
+@examples(3, 12)
+@hypothesis.given(data=st.data())
+def test_random_scenes(structure, data):
+    lighting, orthographic, intersection, shadow_start, casting = structure
+    board = raytrace.Checkerboard(data.draw(numbers(0.125, 4)))
+    scene = raytrace.Scene(
+        spheres=data.draw(spheres(8, 8)),
+        planes=[raytrace.Plane(data.draw(positions), data.draw(directions), board, casts) for casts in casting],
+        sun=raytrace.Sun(data.draw(directions), data.draw(colors)),
+        lighting=lighting,
+        camera=data.draw(cameras(orthographic)),
+    )
     assert_same_bits(*both(scene, intersection=intersection, shadow_start=shadow_start))
 
 
@@ -96,7 +115,7 @@ def test_random_scenes(scene, intersection, shadow_start):
             (staged.MANY_FOR_PRIMARY + 100, "robust"),
             (staged.MANY_FOR_PRIMARY + 100, "textbook"),
         ],
-        (staged.MANY_FOR_PRIMARY + 100, "robust"),
+        (40, "robust"),
     ),
 )
 def test_many_spheres(n, intersection):
@@ -160,16 +179,16 @@ def test_spheres_that_touch_a_ray(column, row, distance, radius, data, intersect
     off = radius * (1 + data.draw(st.integers(-8, 8)) * 2.0**-23)
     center = np.asarray(scene.camera.position) + distance * rd + off * across
     spheres = raytrace.Spheres(center=[center, center], radius=[radius, radius], color=np.ones((2, 3)))
-    assert_same_bits(*both(replace(scene, spheres=spheres), intersection=intersection))
+    assert_same_bits(*both(filled(replace(scene, spheres=spheres)), intersection=intersection))
 
 
 @pytest.mark.parametrize("n", some([3, 300], 3))
 def test_gradients(n):
     scene = replace(raytrace.load_scene("checkerboard"), spheres=many(n))
-    job = Job(program_of(scene, "robust"), Frame(48, 27), ("display",), "float32")
+    job = Job(program_of(scene, "robust"), Frame(48, 27), ("linear",), "float32")
 
     def brightness(uniforms, skip):
-        return Renderer(uniforms, replace(job, skip=skip)).draw(0, 27)["display"].mean()
+        return Renderer(uniforms, replace(job, skip=skip)).draw(0, 27)["linear"].mean()
 
     uniforms = jax.tree.map(np.float32, uniforms_of(scene, 48 / 27))
     with_and_without = [jax.grad(brightness)(uniforms, skip) for skip in (True, False)]
@@ -179,13 +198,13 @@ def test_gradients(n):
 @pytest.mark.full
 def test_of_coincident_spheres_the_last_wins_in_cells_too():
     scene = raytrace.load_scene("checkerboard")
-    crowd = many(staged.MANY_FOR_PRIMARY + 10)
-    n = crowd.radius.shape[0]
+    # Twice as many are those of `test_many_spheres`, whose program it is.
+    n = (staged.MANY_FOR_PRIMARY + 100) // 2
+    crowd = many(n)
     twice = raytrace.Spheres(
         *(np.concatenate([part, part[::-1]]) for part in (crowd.center, crowd.radius, crowd.color))
     )
-    steps = raytrace.render(replace(scene, spheres=twice), (48, 27), output="steps")
-    index = np.asarray(steps["index"])
+    index = both(replace(scene, spheres=twice), (64, 36))[0]["index"]
     seen = (index >= 0) & (index < 2 * n)
     assert seen.any()
     assert (index[seen] >= n).all()

@@ -37,24 +37,27 @@ def test_arrays_of_spheres_name_the_sphere():
     assert "spheres.center: must be of shape (3, 3), found (2, 3)" in refused(balls(center=np.zeros((2, 3))))
 
 
-@pytest.mark.parametrize(
-    ("scene", "told"),
-    [
-        ("Scene(camera=None)", "camera: must be a PerspectiveCamera or"),
-        ("Scene(spheres=None)", "spheres: must be a Spheres, found NoneType"),
-        ("Scene(planes=None)", "planes: must be a tuple, found NoneType"),
-        ("Scene(planes=(3,))", "planes[0]: must be a Plane"),
-        ("Scene(sun=Sun(direction=None))", "sun.direction: must be an array of numbers"),
-        ("Scene(sun=Sun(direction=[1, 2]))", "sun.direction: must be of shape (3,), found (2,)"),
-        ("Scene(spheres=Spheres(radius=[[1]]))", "spheres.radius: must be of shape (n,), found (1, 1)"),
-        ("Scene(spheres=Spheres(center=[['a', 0, 0]]))", "center: must be numbers"),
-    ],
-)
-def test_scenes_of_the_wrong_things(scene, told):
-    """In a process of its own: here the annotations, checked in the tests, would refuse them first."""
-    code = f"from raytrace import *\ntry:\n    check_scene({scene})\nexcept InputError as error:\n    print(error)"
+WRONG = {
+    "Scene(camera=None)": "camera: must be a PerspectiveCamera or",
+    "Scene(spheres=None)": "spheres: must be a Spheres, found NoneType",
+    "Scene(planes=None)": "planes: must be a tuple, found NoneType",
+    "Scene(planes=(3,))": "planes[0]: must be a Plane",
+    "Scene(sun=Sun(direction=None))": "sun.direction: must be an array of numbers",
+    "Scene(sun=Sun(direction=[1, 2]))": "sun.direction: must be of shape (3,), found (2,)",
+    "Scene(spheres=Spheres(radius=[[1]]))": "spheres.radius: must be of shape (n,), found (1, 1)",
+    "Scene(spheres=Spheres(center=[['a', 0, 0]]))": "center: must be numbers",
+}
+
+
+def test_scenes_of_the_wrong_things():
+    """In another process, one for all: here the annotations, checked in the tests, would refuse them first."""
+    code = "from raytrace import *\n" + "".join(
+        f"try:\n    check_scene({scene})\n    print('accepted')\nexcept InputError as error:\n    print(error)\n"
+        for scene in WRONG
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert told in done.stdout
+    for told, said in zip(WRONG.values(), done.stdout.splitlines(), strict=True):
+        assert told in said
 
 
 def test_lists_will_do():
