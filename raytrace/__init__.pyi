@@ -13,6 +13,7 @@ from .image import write_image as write_image
 from .inverse.fit import SunFit as SunFit
 from .inverse.fit import fit_sun as fit_sun
 from .notebook import view as view
+from .rendering import prepare as prepare
 from .rendering import render as render
 from .scene import Checkerboard as Checkerboard
 from .scene import Film as Film

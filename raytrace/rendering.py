@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass, field, fields
+from dataclasses import KW_ONLY, dataclass, field, fields, replace
 from functools import lru_cache, wraps
 from importlib.metadata import version
 from pathlib import Path
@@ -25,7 +25,7 @@ from raytrace.shader.pixel import Frame
 from raytrace.shader.shadows import SHADOW_STARTS
 from raytrace.shader.sphere import INTERSECTIONS
 
-__all__ = ["Options", "Rendering", "check_size", "render"]
+__all__ = ["Options", "Prepared", "Rendering", "check_size", "prepare", "render"]
 
 #: Means over a pixel: of samples, or of what is on either side of its edges.
 ANTIALIAS = ("none", "edges")
@@ -290,8 +290,38 @@ def render(options: Options) -> Any:
             backend's engine is not installed; the shader does not compile, or one of its uniforms is not bound.
         EngineFailure: a graphics engine crashed; the shader did not end in time.
     """
+    return _drawn(options)
+
+
+def _drawn(options: Options) -> Any:
     with explicit_sharding_refused():
         return _rendering(options).whole()
+
+
+class Prepared:
+    """A scene and options whose program is compiled; see `prepare`."""
+
+    def __init__(self, options: Options):
+        self.options = options
+        rendering = _rendering(options)
+        rendering.renderer.compile(rendering.frame.height)
+
+    def __call__(self, scene: Scene | None = None) -> Any:
+        """Render the scene, or the one that was prepared; with other numbers of the same structure nothing compiles.
+
+        The scene may be traced, as in a step of an optimizer under `jax.jit`. Raises what `render` raises.
+        """
+        return _drawn(self.options if scene is None else replace(self.options, scene=scene))
+
+
+@taking(Options)
+def prepare(options: Options) -> Prepared:
+    """Compile the program of a scene now, for a loop that renders it, or others of its structure, many times.
+
+    Arguments and errors are those of `render`. ``renderer = raytrace.prepare(scene, (640, 360))``, then
+    ``renderer(scene)``.
+    """
+    return Prepared(options)
 
 
 #: Pictures that are kept ready: a loop over a few scenes or sizes finds each of them again.

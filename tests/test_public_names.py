@@ -46,6 +46,7 @@ USES = {
     "compare": lambda: raytrace.compare(image, image).ssim.mean == 1 or 1 / 0,
     "fit_sun": lambda: refused("fit_sun", "nowhere.png", "sphere"),
     "load_scene": lambda: raytrace.load_scene("sphere"),
+    "prepare": lambda: raytrace.prepare("sphere", size, backend="numpy")().shape == (3, 4, 3) or 1 / 0,
     "read_certificate": lambda: refused("read_certificate", "nowhere.exr"),
     "read_image": lambda: refused("read_image", "nowhere.png"),
     "render": lambda: raytrace.render("sphere", size, backend="numpy").shape == (3, 4, 3) or 1 / 0,

@@ -14,6 +14,9 @@ from raytrace.studies.bench.timing import state
 
 __all__ = ["bench"]
 
+#: Of the pictures by which a device's accuracy is checked: all scenes take minutes.
+ACCURACY_SIZE = (96, 54)
+
 
 def bench(
     scene: Annotated[str, typer.Argument(help="A built-in scene's name or a TOML file.")] = DEFAULT_SCENE,
@@ -29,6 +32,13 @@ def bench(
     roofline: Annotated[
         bool, typer.Option("--roofline", help="Instead: operations of the program against this machine's peak.")
     ] = False,
+    device: Annotated[
+        bool, typer.Option("--device", help="Instead: what JAX's first device takes, programs alone and waited for.")
+    ] = False,
+    device_accuracy: Annotated[
+        bool,
+        typer.Option("--device-accuracy", help="Instead: whether it keeps every promise; exit code 1 if not."),
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plot: Annotated[
         Path | None, typer.Option(help="Also write a plot, .svg or .png; not with --figures, --roofline.")
@@ -42,12 +52,14 @@ def bench(
             ("--figures", figures),
             ("--scenes", scenes),
             ("--roofline", roofline),
+            ("--device", device),
+            ("--device-accuracy", device_accuracy),
         )
         if value
     ]
     if len(chosen) > 1:
         raise InputError(f"{' and '.join(chosen)}: one at a time")
-    if plot and (figures or scenes or roofline):
+    if plot and (figures or scenes or roofline or device or device_accuracy):
         raise InputError(f"--plot: there is none with {chosen[0]}")
     if plot:
         check_figure(plot)
@@ -62,6 +74,10 @@ def bench(
         _scenes(shape, runs, as_json)
     elif roofline:
         _roofline(scene, shape, runs, as_json)
+    elif device:
+        _device(shape, runs, as_json)
+    elif device_accuracy:
+        _device_accuracy(as_json)
     else:
         _pareto(scene, shape, runs, as_json, plot)
 
@@ -173,6 +189,40 @@ def _roofline(scene: str, size: tuple[int, int], runs: int, as_json: bool) -> No
     print(f"peak of a copy, measured               {found.peak_bytes / 1e9:10.1f} GB/s")
     print(f"a frame, nothing skipped               {found.milliseconds:10.1f} ms")
     print(f"its operations at that peak            {found.at_least:10.1f} ms, {100 * found.share:.0f} % of it")
+
+
+def _device(size: tuple[int, int], runs: int, as_json: bool) -> None:
+    from raytrace.studies.bench.device import rows
+
+    found = []
+    if not as_json:
+        print(f"{'':44} {'ms':>10} {'compiling s':>12} {'largest':>9} {'rms':>9} {'>1/255':>7}", flush=True)
+    for row in rows(size, runs):
+        found.append(row)
+        if not as_json:
+            e = row.errors
+            errors = f" {e.largest:9.1e} {e.rms:9.1e} {e.over:7}" if e else ""
+            print(f"{row.name:44} {row.milliseconds:10.4f} {row.compiling:12.1f}{errors}", flush=True)
+    print(json.dumps({"state": state(), "device": _device_name(), "rows": [_json(row) for row in found]}))
+
+
+def _device_accuracy(as_json: bool) -> None:
+    from raytrace.studies.bench.device import checks
+
+    found = []
+    for check in checks(ACCURACY_SIZE):
+        found.append(check)
+        if not as_json:
+            print(f"{'kept' if check.kept else 'MISSED':6} {check.name}: {check.detail}", flush=True)
+    print(json.dumps({"state": state(), "device": _device_name(), "checks": [_json(check) for check in found]}))
+    if not all(check.kept for check in found):
+        raise typer.Exit(1)
+
+
+def _device_name() -> str:
+    import jax
+
+    return jax.devices()[0].device_kind
 
 
 def _json(row: Any) -> dict[str, Any]:

@@ -153,7 +153,7 @@ def test_the_platform_chooses():
 def test_an_unknown_engine_is_one_line():
     with pytest.raises(raytrace.InputError, match=r"^engine: .*'quick'"):
         raytrace.render("sphere", SIZE, engine="quick")
-    with pytest.raises(raytrace.InputError, match="^engine: backend numpy"):
+    with pytest.raises(raytrace.InputError, match=r"^engine: backend numpy"):
         raytrace.render("sphere", SIZE, backend="numpy", engine="kernel")
 
 
@@ -203,3 +203,16 @@ def test_arrays_that_are_changed_in_place_are_seen():
     after = np.asarray(raytrace.render(scene, SIZE))
     assert (after != before).any()
     np.testing.assert_array_equal(after, raytrace.render(replace(scene), SIZE))
+
+
+def test_a_prepared_renderer_is_render():
+    scene = raytrace.load_scene("spheres")
+    renderer = raytrace.prepare(scene, SIZE, output="linear")
+    np.testing.assert_array_equal(renderer(), raytrace.render(scene, SIZE, output="linear"))
+    other = with_sun(scene, np.array([0.3, 1, 0.2]))
+    np.testing.assert_array_equal(renderer(other), raytrace.render(other, SIZE, output="linear"))
+    sun = jnp.asarray([0.3, 1, 0.2], jnp.float32)
+    traced = jax.jit(lambda sun: renderer(with_sun(scene, sun)))(sun)
+    np.testing.assert_allclose(traced, renderer(other), rtol=1e-5, atol=1e-6)
+    with pytest.raises(raytrace.InputError, match="^size: "):
+        raytrace.prepare(scene, (0, 5))
