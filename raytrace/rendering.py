@@ -335,7 +335,7 @@ def _rendering(options: Options) -> Rendering:
     """
     if options.backend != "jax" or not isinstance(options.scene, Scene):
         return Rendering(options)
-    import jax
+    import jax.core
 
     leaves, tree = jax.tree.flatten(options.scene)
     if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):

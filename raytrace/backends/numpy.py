@@ -91,7 +91,7 @@ class Renderer:
         self.job = job
         with np.errstate(all="ignore"):
             usual = Masked(self.uniforms, job.program) if job.skip else Engine()
-        self.engine = job.engine or usual
+        self.engine = usual if job.engine is None or isinstance(job.engine, str) else job.engine
 
     def about(self) -> dict[str, str]:
         return {"renderer": f"NumPy {np.__version__}"}

@@ -214,5 +214,5 @@ def test_a_prepared_renderer_is_render():
     sun = jnp.asarray([0.3, 1, 0.2], jnp.float32)
     traced = jax.jit(lambda sun: renderer(with_sun(scene, sun)))(sun)
     np.testing.assert_allclose(traced, renderer(other), rtol=1e-5, atol=1e-6)
-    with pytest.raises(raytrace.InputError, match="^size: "):
+    with pytest.raises(raytrace.InputError, match=r"^size: "):
         raytrace.prepare(scene, (0, 5))

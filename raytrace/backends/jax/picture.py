@@ -39,7 +39,7 @@ def traced_picture(job: Job, rows: int, uniforms: Uniforms, mode: Any, first: An
     def _(primals: tuple, tangents: tuple) -> tuple:
         leaves, mode, first = primals
         engine = engine_of(job, "differentiated", count(uniforms.spheres))
-        drawn = partial(_drawn, engine, True, job=job, rows=rows, tree=tree)
+        drawn: Callable = partial(_drawn, engine, True, job=job, rows=rows, tree=tree)
         return jax.jvp(lambda leaves: drawn(*leaves, mode, first), (leaves,), tangents[:1])
 
     return dict(zip(job.keep, picture(leaves, mode, first), strict=True))
@@ -47,7 +47,8 @@ def traced_picture(job: Job, rows: int, uniforms: Uniforms, mode: Any, first: An
 
 def _drawn(engine: Any, differentiated: bool, *operands: Any, job: Job, rows: int, tree: Any) -> list[jax.Array]:
     """The images of uniforms without a batch. operands: the uniforms' leaves, the mode, the first row."""
-    uniforms, where = tree.unflatten(operands[: tree.num_leaves]), Where(*operands[tree.num_leaves :], 0)
+    *leaves, mode, first = operands
+    uniforms, where = tree.unflatten(leaves), Where(mode, first, 0)
     culled = prepare_spheres(engine, uniforms, job.program)
     images = draw_part(job, engine, rows, job.frame.width, uniforms, culled, where, differentiated)
     return [images[name] for name in job.keep]

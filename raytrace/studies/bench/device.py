@@ -159,7 +159,7 @@ def _checks_of(name: str, scene: Scene, size: tuple[int, int]) -> Iterator[Check
     yield Check(f"{name}: float64 is NumPy's", errors.largest < 1e-9, f"largest difference {errors.largest:.1e}")
 
     weights = np.random.default_rng(0).normal(size=(size[1], size[0], 3)).astype("float32")
-    suns = np.asarray(scene.sun.direction, "float32") * np.float32([[1], [1.01], [0.99]])
+    suns = np.asarray(scene.sun.direction, "float32") * np.array([[1], [1.01], [0.99]], "float32")
 
     def weighted(sun: Any) -> Any:
         return jnp.sum(render(with_sun(scene, sun), size, output="linear") * weights)
