@@ -1,4 +1,5 @@
 from .backends.jax.devices import use_all_cores as use_all_cores
+from .batches import render_each as render_each
 from .certificates import Certificate as Certificate
 from .certificates import Verification as Verification
 from .certificates import certify as certify

@@ -50,6 +50,7 @@ USES = {
     "read_certificate": lambda: refused("read_certificate", "nowhere.exr"),
     "read_image": lambda: refused("read_image", "nowhere.png"),
     "render": lambda: raytrace.render("sphere", size, backend="numpy").shape == (3, 4, 3) or 1 / 0,
+    "render_each": lambda: raytrace.render_each(["sphere"], size, backend="numpy")[0].shape == (3, 4, 3) or 1 / 0,
     "save_scene": lambda: raytrace.save_scene(raytrace.load_scene("sphere"), "a.toml"),
     "scenes": lambda: raytrace.scenes()["sphere"],
     "sun_angles": lambda: raytrace.sun_angles(np.array([0.0, 1.0, 0.0])),

@@ -25,6 +25,7 @@ LAYERS = [
     {"glsl"},
     {"backends"},
     {"rendering"},
+    {"batches"},
     {"export"},
     {"comparison"},
     {"certificates"},

@@ -1,0 +1,35 @@
+"""Many scenes at once."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import raytrace
+from raytrace import batches
+from raytrace.studies.bench.crowds import crowd
+from tests.scenes import some
+
+SIZE = (12, 7)
+
+
+@pytest.mark.parametrize("engine", some((None, "fused", "kernel"), "kernel"))
+def test_each_is_the_scene_s_own_picture(engine, monkeypatch):
+    monkeypatch.setattr(batches, "PIXELS", 2 * SIZE[0] * SIZE[1])
+    lit = raytrace.load_scene("lit-sphere")
+    scenes = [lit, "skybox", replace(lit, spheres=crowd(3).spheres), crowd(2), replace(lit, spheres=crowd(5).spheres)]
+    images = raytrace.render_each(scenes, SIZE, engine=engine, output="linear")
+    assert len(images) == len(scenes)
+    for scene, image in zip(scenes, images, strict=True):
+        alone = np.asarray(raytrace.render(scene, SIZE, engine=engine, output="linear"))
+        apart = np.abs(image - alone).max(axis=-1)
+        # A pixel of an edge may be another's in a batch.
+        assert (apart > 1e-5 * alone.max()).sum() <= 1
+
+
+def test_none_and_what_cannot_be():
+    assert raytrace.render_each([], SIZE) == []
+    with pytest.raises(raytrace.InputError, match=r"^output: "):
+        raytrace.render_each(["sphere"], SIZE, output="steps")
+    with pytest.raises(raytrace.InputError, match=r"^size: "):
+        raytrace.render_each(["sphere"], (0, 1))
