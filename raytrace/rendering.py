@@ -188,9 +188,15 @@ class Rendering:
 
     def bands(self) -> Iterator[Any]:
         """Yield the image from the top down, in bands of rows, as NumPy arrays."""
-        for first in range(0, self.frame.height, self.band_height):
-            images = self.renderer.draw(first, self.band_height)
-            rows = min(self.band_height, self.frame.height - first)
+        height = self.band_height
+        # JAX draws the next band while the caller encodes this one.
+        ahead = self.options.backend == "jax"
+        following = None
+        for first in range(0, self.frame.height, height):
+            images = following or self.renderer.draw(first, height)
+            last = first + height >= self.frame.height
+            following = None if last or not ahead else self.renderer.draw(first + height, height)
+            rows = min(height, self.frame.height - first)
             yield self._result({name: np.asarray(image)[:rows] for name, image in images.items()})
 
     def pixel(self, x: int, y: int) -> Any:

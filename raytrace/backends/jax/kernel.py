@@ -16,8 +16,9 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
+from raytrace.backends.culling import Coordinates, Region, outside
 from raytrace.backends.jax.engines import Attentive, any_of, shaped
-from raytrace.backends.jax.staged import Culling, Loop, culling
+from raytrace.backends.jax.staged import Culling, Loop, Visible, culling
 from raytrace.backends.jax.traced import traced
 from raytrace.backends.job import Job
 from raytrace.language.control import count, running
@@ -29,7 +30,8 @@ from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
 __all__ = ["MANY", "Images", "Kernels", "Where", "draw_by_kernel", "prepared"]
 
-#: With more spheres than this each ray looks into a grid; up to here the text holds every one of them.
+#: With more spheres than this each ray looks into a grid; up to here the text holds every one of them, and a tile
+#: skips those that none of its rays can meet.
 MANY = 16
 
 
@@ -126,13 +128,12 @@ class Kernel(Attentive):
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
         visible = self.culling.primary if isinstance(start, Hit) else self.culling.shadow
-        gridded = isinstance(items, Sphere) and visible is not None and visible.grid is not None
-        if unroll and not gridded and count(items) <= MANY:
-            return super().each(items, body, start, args, unroll)
-        if gridded:
-            assert visible is not None
-            return _Loop(self, visible, items, body, args).run(shaped(start, self._planes(start)))
         planes = self._planes(start)
+        if isinstance(items, Sphere) and visible is not None:
+            loop = _Loop(self, visible, items, body, args)
+            return (loop.one_by_one if visible.grid is None else loop.run)(shaped(start, planes))
+        if unroll and count(items) <= MANY:
+            return super().each(items, body, start, args, unroll)
 
         def turn(i: jax.Array, state: Any) -> Any:
             return shaped(body(state, i, jax.tree.map(lambda leaf: leaf[i], items), *args), planes)
@@ -149,15 +150,34 @@ class Kernel(Attentive):
 
 
 class _Loop(Loop):
-    """``each`` over many spheres: the large ones one by one, then each ray over those of its own cells."""
+    """``each`` over spheres, in a kernel."""
+
+    def one_by_one(self, state: Any) -> Any:
+        """Few spheres: those whose rectangle a ray of the tile may be in."""
+        active = self.engine.active
+        assert active is not None
+        region = Region.of(self._where(active), active)
+        for i in range(count(self.spheres)):
+            bounds, sphere = jax.tree.map(lambda leaf, i=i: leaf[i], (self.visible.bounds, self.spheres))
+            needed = ~outside(bounds, region) | self.engine.everything
+
+            def met(i: int = i, sphere: Sphere = sphere, state: Any = state) -> Any:
+                return shaped(self.body(state, i, sphere, *self.args), state)
+
+            state = lax.cond(needed, met, lambda state=state: state)
+        return state
+
+    def _where(self, active: jax.Array) -> Coordinates:
+        where = self.visible.rays.coordinates(self.args[0], self.args[1], self.engine.quadratic)
+        return shaped(where, jax.tree.map(lambda x: jax.ShapeDtypeStruct(active.shape, x.dtype), where))
 
     def run(self, state: Any) -> Any:
+        """Many: the large ones one by one, then each ray over those of its own cells."""
         grid, large, active = self.visible.grid, self.visible.large, self.engine.active
         assert grid is not None
         assert large is not None
         assert active is not None
-        where = self.visible.rays.coordinates(self.args[0], self.args[1], self.engine.quadratic)
-        where = shaped(where, jax.tree.map(lambda x: jax.ShapeDtypeStruct(active.shape, x.dtype), where))
+        where = self._where(active)
 
         def of_large(k: jax.Array, state: Any) -> Any:
             i = large[k]
@@ -168,11 +188,16 @@ class _Loop(Loop):
 
 
 def prepared(uniforms: Uniforms, program: Program) -> Culling | None:
-    """Return the grids of many spheres; ``None`` with few."""
-    if count(uniforms.spheres) <= MANY:
+    """Return what tells a tile which spheres its rays can meet; ``None`` where there are none."""
+    if uniforms.spheres is None:
         return None
-    # Where the spheres are constants XLA would build their grids itself, for minutes, before the program runs.
+    # Where many spheres are constants XLA would build their grids itself, for minutes, before the program runs.
     return culling(lax.optimization_barrier(uniforms), program, (MANY, MANY))
+
+
+def _needed(visible: Visible | None) -> Visible | None:
+    """What a kernel asks for: with a grid a ray's own cells decide, and nobody asks for the rectangles."""
+    return visible if visible is None or visible.grid is None else visible._replace(bounds=None)
 
 
 def draw_by_kernel(images: Images, uniforms: Uniforms, culled: Culling | None, where: Where) -> list[jax.Array]:
@@ -200,15 +225,18 @@ class _Given:
         leaves, self.tree = jax.tree.flatten(uniforms)
         self.shapes = [leaf.shape for leaf in leaves]
         self.starts = [sum(leaf.size for leaf in leaves[:k]) for k in range(len(leaves))]
-        if culled is not None:
-            # A ray's own cells decide; nobody asks for the rectangles.
-            culled = Culling(*(None if visible is None else visible._replace(bounds=None) for visible in culled))
-        cells, self.cell_tree = jax.tree.flatten(culled)
+        cells, self.cell_tree = jax.tree.flatten(None if culled is None else Culling(*map(_needed, culled)))
         self.cell_shapes = [leaf.shape for leaf in cells]
+        # One array for all that is small, made by one operation.
+        small = [leaf.dtype == leaves[0].dtype and leaf.size <= MANY for leaf in cells]
+        together = [*leaves, *(leaf for leaf, together in zip(cells, small, strict=True) if together)]
+        ends = iter([sum(leaf.size for leaf in together[:k]) for k in range(len(leaves), len(together))])
+        #: Where each leaf of the cells begins among the numbers; ``None`` for one that is an array by itself.
+        self.cell_starts = [next(ends) if together else None for together in small]
         self.arrays = [
-            jnp.concatenate([leaf.reshape(-1) for leaf in leaves]),
+            jnp.concatenate([leaf.reshape(-1) for leaf in together]),
             *(jnp.asarray(x, jnp.int32).reshape(1) for x in where),
-            *(leaf.reshape(1) if leaf.ndim == 0 else leaf for leaf in cells),
+            *(leaf.reshape(-1) for leaf, together in zip(cells, small, strict=True) if not together),
         ]
         kernels = images.kernels
         self.down, self.across = -(-images.rows // kernels.tile_height), -(-images.columns // kernels.tile_width)
@@ -232,7 +260,11 @@ class _Given:
             return read(memory, start) if shape == () else Listed(memory, start, shape)
 
         uniforms = self.tree.unflatten(items(numbers, *leaf) for leaf in zip(self.starts, self.shapes, strict=True))
-        culled = self.cell_tree.unflatten(map(items, cells, [0] * len(cells), self.cell_shapes))
+        rest = iter(cells)
+        culled = self.cell_tree.unflatten(
+            items(next(rest), 0, shape) if start is None else items(numbers, start, shape)
+            for start, shape in zip(self.cell_starts, self.cell_shapes, strict=True)
+        )
 
         def draw(tile: _Tile) -> list[tuple]:
             engine = Kernel(

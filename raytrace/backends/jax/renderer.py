@@ -17,7 +17,7 @@ from raytrace.backends.jax.choice import engine_of, or_fused, platform_of
 from raytrace.backends.jax.devices import check_devices, fetched, hint_at_cores, mesh, one_device, x64_mode
 from raytrace.backends.jax.draw import draw, prepare_spheres, trimmed
 from raytrace.backends.jax.forward import by_forward_mode
-from raytrace.backends.jax.kernel import MANY, Kernels
+from raytrace.backends.jax.kernel import Kernels
 from raytrace.backends.jax.packing import Layout, pack
 from raytrace.backends.jax.picture import traced_picture
 from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged
@@ -182,7 +182,7 @@ class Renderer:
         else:
             rounded = jax.tree.map(partial(_rounded, exact=job.exact_inputs), uniforms)
             self.numbers, self.layout = pack(rounded, job.dtype)
-            most = {Staged: MANY_FOR_SHADOW, Kernels: MANY}.get(type(self.engine))
+            most = {Staged: MANY_FOR_SHADOW, Kernels: 0}.get(type(self.engine))
             self.many = most is not None and count(uniforms.spheres) > most
 
     def about(self) -> dict[str, str]:
