@@ -1,8 +1,9 @@
 """From a scene to an image: `render`, its `Options`, and `Rendering` for images that are written band by band."""
 
 import inspect
+import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import KW_ONLY, dataclass, field, fields, replace
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import lru_cache, wraps
 from importlib.metadata import version
 from pathlib import Path
@@ -332,6 +333,8 @@ def prepare(options: Options) -> Prepared:
 
 #: Pictures that are kept ready: a loop over a few scenes or sizes finds each of them again.
 KEPT = 8
+#: A scene of more bytes than this is not kept: what is prepared of its spheres may be hundreds of times that.
+LARGEST_KEPT = 1 << 16
 
 
 def _rendering(options: Options) -> Rendering:
@@ -343,14 +346,19 @@ def _rendering(options: Options) -> Rendering:
         return Rendering(options)
     import jax.core
 
+    # Before what is equal is looked for: a wrong choice can be equal to a right one, as True is to 1.
+    options.check()
     leaves, tree = jax.tree.flatten(options.scene)
     if any(isinstance(leaf, jax.core.Tracer) for leaf in leaves):
         return Rendering(options)
     arrays = [np.asarray(leaf) for leaf in leaves]
+    if sum(array.nbytes for array in arrays) > LARGEST_KEPT:
+        return Rendering(options)
     numbers = tuple((array.shape, array.dtype.str, array.tobytes()) for array in arrays)
     config: Any = jax.config  # whose attributes JAX makes at run time
-    switches = config.jax_default_device, config.jax_enable_x64, jax.process_count()
-    choices = tuple(getattr(options, field.name) for field in fields(options) if field.name not in ("scene", "_"))
+    # A forked process has another number: there JAX does not work, which a new renderer says.
+    switches = config.jax_default_device, config.jax_enable_x64, os.getpid()
+    choices = tuple(value for name, value in vars(options).items() if name != "scene")
     try:
         return _kept(_Same((tree, numbers, switches, choices), options))
     except TypeError:  # a choice that has no hash: one that is wrong, or a user's own

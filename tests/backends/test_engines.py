@@ -216,3 +216,11 @@ def test_a_prepared_renderer_is_render():
     np.testing.assert_allclose(traced, renderer(other), rtol=1e-5, atol=1e-6)
     with pytest.raises(raytrace.InputError, match=r"^size: "):
         raytrace.prepare(scene, (0, 5))
+
+
+def test_what_is_kept_does_not_hide_a_mistake():
+    scene = raytrace.load_scene("spheres")
+    raytrace.render(scene, SIZE, samples=1)
+    for wrong in ({"samples": True}, {"size": (19.0, 11.0)}):
+        with pytest.raises(raytrace.InputError):
+            raytrace.render(scene, **{"size": SIZE, **wrong})
