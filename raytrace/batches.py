@@ -2,13 +2,14 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
-from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from raytrace.errors import InputError
 from raytrace.rendering import Options, render
+from raytrace.scene.check import is_traced
 from raytrace.scene.data import Scene
 from raytrace.scene.toml import as_scene
 
@@ -18,62 +19,70 @@ __all__ = ["render_each"]
 PIXELS = 1 << 24
 
 
-def render_each(scenes: Iterable[Scene | str], size: tuple[int, int], **choices: Any) -> list[np.ndarray]:
+def render_each(scenes: Iterable[Scene | str | Path], size: tuple[int, int], **choices: Any) -> list[np.ndarray]:
     """Render concrete scenes, each to an image of shape (height, width, 3), in their order, as NumPy arrays.
 
-    On an accelerator those of one structure are drawn together, whatever their numbers of spheres: the last sphere of a
-    scene with fewer is there several times, which no picture shows. On a CPU one is drawn after the other, since there
-    each skips what it does not need.
+    On an accelerator those of one structure are drawn together, by one device, whatever their numbers of spheres: the
+    last sphere of a scene with fewer is there several times, which changes no picture. On a CPU one is drawn after the
+    other, since there each skips what it does not need.
 
     size: (width, height) in pixels. choices: those of `raytrace.render`, but for output "steps".
 
     Raises:
-        InputError: as `raytrace.render`; or the output is "steps".
+        InputError: as `raytrace.render`; or the output is "steps", or a scene is traced.
     """
     options = Options(size=size, **choices)
     options.check()
     if options.output == "steps":
         raise InputError("output: of many scenes there are 'display' and 'linear', found 'steps'")
     given = [as_scene(scene) for scene in scenes]
+    if any(map(is_traced, given)):
+        raise InputError("scenes: must be concrete; jax.vmap renders traced ones")
     if options.backend != "jax" or not _together(options):
         return [np.asarray(render(scene, size, **choices)) for scene in given]
     import jax
 
     groups: dict[Any, list[int]] = {}
     for i, scene in enumerate(given):
-        key = jax.tree.structure(scene), len(scene.spheres.radius) > 0
-        groups.setdefault(key, []).append(i)
+        groups.setdefault((jax.tree.structure(scene), _number(scene, options)), []).append(i)
     images: dict[int, np.ndarray] = {}
     block = max(1, PIXELS // (size[0] * size[1]))
-    for members in groups.values():
-        most = max(len(given[i].spheres.radius) for i in members)
-        padded = [_padded(given[i], most) for i in members]
-        height = min(block, len(members))
-        program = _program(tuple(sorted(choices.items())), tuple(size))
+    program = jax.jit(jax.vmap(lambda scene: render(scene, size, **choices)))
+    for (_, spheres), members in groups.items():
+        # Powers of two, so that few numbers of scenes have programs of their own.
+        height = min(block, _power_of_two(len(members)))
         for start in range(0, len(members), height):
-            some = padded[start : start + height]
-            # The last block has the others' shape, so that it needs no program of its own.
+            now = members[start : start + height]
+            some = [_padded(given[i], spheres) for i in now]
             some += some[-1:] * (height - len(some))
             stacked = jax.tree.map(lambda *leaves: np.stack([np.asarray(leaf) for leaf in leaves]), *some)
-            drawn = np.asarray(program(stacked))
-            images.update(zip(members[start : start + height], drawn, strict=False))
+            # In double until the numbers are rounded to float32, as each is for `render`.
+            with jax.enable_x64(True):
+                images.update(zip(now, np.asarray(program(stacked)), strict=False))
     return [images[i] for i in range(len(given))]
+
+
+def _number(scene: Scene, options: Options) -> int:
+    """How many spheres the scene is drawn with: its own or, where copies change nothing, the next power of two."""
+    number = len(scene.spheres.radius)
+    # A copy shadows the surface that a ray starts on, and its edges are counted again.
+    copies = number > 0 and options.shadow_start == "offset" and options.antialias == "none"
+    return _power_of_two(number) if copies else number
+
+
+def _power_of_two(n: int) -> int:
+    """Return the smallest power of two that is not below `n`."""
+    return 1 << (n - 1).bit_length()
 
 
 def _together(options: Options) -> bool:
     """Whether pictures are drawn together: by the engines of accelerators."""
-    from raytrace.backends.jax.devices import one_device
+    from raytrace.backends.jax.devices import check_devices, one_device
 
+    check_devices()
     if options.engine is not None:
         return options.engine in ("fused", "kernel")
     return one_device().devices.flat[0].platform != "cpu"
-
-
-@lru_cache(maxsize=8)
-def _program(choices: tuple, size: tuple[int, int]) -> Any:
-    import jax
-
-    return jax.jit(jax.vmap(lambda scene: render(scene, size, **dict(choices))))
 
 
 def _padded(scene: Scene, most: int) -> Scene:

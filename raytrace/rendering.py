@@ -190,13 +190,13 @@ class Rendering:
     def bands(self) -> Iterator[Any]:
         """Yield the image from the top down, in bands of rows, as NumPy arrays."""
         height = self.band_height
-        # JAX draws the next band while the caller encodes this one.
-        ahead = self.options.backend == "jax"
         following = None
         for first in range(0, self.frame.height, height):
             images = following or self.renderer.draw(first, height)
             last = first + height >= self.frame.height
-            following = None if last or not ahead else self.renderer.draw(first + height, height)
+            # JAX gives an array before it is drawn: so the next band is drawn while the caller encodes this one.
+            waits = any(isinstance(image, np.ndarray) for image in images.values())
+            following = None if last or waits else self.renderer.draw(first + height, height)
             rows = min(height, self.frame.height - first)
             yield self._result({name: np.asarray(image)[:rows] for name, image in images.items()})
 
@@ -287,8 +287,9 @@ def render(options: Options) -> Any:
     time_limit: seconds that the shader may take.
     engine: how the shader's control words are run, instead of the backend's own way: an engine
         (`raytrace.language.Engine`), or with JAX the name of one of its own. "staged" draws tiles, as suits a CPU;
-        "kernel" one kernel, which is a GPU's (where there is none XLA draws its tiles, slowly); "fused" leaves all to
-        XLA. By default the platform decides on which the image is drawn.
+        "kernel" is one kernel of a GPU, whose tiles XLA draws, slowly, where there is no GPU; "fused" leaves all to
+        XLA, but with more than 32 spheres, or edges, it is "staged" with one tile. Edges, a user's tone mapper and
+        derivatives have no kernel, and get "fused". By default the platform decides on which the image is drawn.
 
     JAX gives JAX arrays, but NumPy's for float64 while x64 mode is off; all others give NumPy's.
 
@@ -309,16 +310,19 @@ class Prepared:
     """A scene and options whose program is compiled; see `prepare`."""
 
     def __init__(self, options: Options):
-        self.options = options
-        rendering = _rendering(options)
-        rendering.renderer.compile(rendering.frame.height)
+        scene = options.scene
+        self.options = options if isinstance(scene, Scene) else replace(options, scene=as_scene(scene))
+        self._rendering = _rendering(self.options)
+        self._rendering.renderer.compile(self._rendering.frame.height)
 
     def __call__(self, scene: Scene | None = None) -> Any:
-        """Render the scene, or the one that was prepared; with other numbers of the same structure nothing compiles.
+        """Render the scene, or the one that was prepared.
 
-        The scene may be traced, as in a step of an optimizer under `jax.jit`. Raises what `render` raises.
+        Nothing compiles for a scene of the same structure: as many spheres and planes, the same choices, exposure and
+        white balance where those of the first were. The scene may be traced, as in a step of an optimizer under
+        `jax.jit`. Raises what `render` raises.
         """
-        return _drawn(self.options if scene is None else replace(self.options, scene=scene))
+        return self._rendering.whole() if scene is None else _drawn(replace(self.options, scene=scene))
 
 
 @taking(Options)
@@ -338,9 +342,9 @@ LARGEST_KEPT = 1 << 16
 
 
 def _rendering(options: Options) -> Rendering:
-    """Return what renders: of a concrete scene for JAX what was made of equal numbers before, if that is not long ago.
+    """Return the kept `Rendering` of an equal scene and equal options, or make one.
 
-    What an array holds decides, not which array it is: one may be changed in place.
+    For JAX alone, and concrete scenes. What an array holds decides, as an array may be changed in place.
     """
     if options.backend != "jax" or not isinstance(options.scene, Scene):
         return Rendering(options)
@@ -354,7 +358,7 @@ def _rendering(options: Options) -> Rendering:
     arrays = [np.asarray(leaf) for leaf in leaves]
     if sum(array.nbytes for array in arrays) > LARGEST_KEPT:
         return Rendering(options)
-    numbers = tuple((array.shape, array.dtype.str, array.tobytes()) for array in arrays)
+    numbers = tuple((array.shape, array.dtype, array.tobytes()) for array in arrays)
     config: Any = jax.config  # whose attributes JAX makes at run time
     # A forked process has another number: there JAX does not work, which a new renderer says.
     switches = config.jax_default_device, config.jax_enable_x64, os.getpid()
@@ -367,7 +371,7 @@ def _rendering(options: Options) -> Rendering:
 
 @dataclass(frozen=True)
 class _Same:
-    """Options that are equal where their keys are."""
+    """Options, which are equal if their keys are."""
 
     key: tuple
     options: Options = field(compare=False)

@@ -37,11 +37,13 @@ def bench(
     ] = False,
     device_accuracy: Annotated[
         bool,
-        typer.Option("--device-accuracy", help="Instead: whether it keeps every promise; exit code 1 if not."),
+        typer.Option(
+            "--device-accuracy", help="Instead: whether it keeps every promise, at 96x54; exit code 1 if not."
+        ),
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plot: Annotated[
-        Path | None, typer.Option(help="Also write a plot, .svg or .png; not with --figures, --roofline.")
+        Path | None, typer.Option(help="Also write a plot, .svg or .png; of the times, or with --scaling.")
     ] = None,
 ) -> None:
     """Time against error of every way to render a scene here, peers included; compilation apart."""
@@ -59,6 +61,8 @@ def bench(
     ]
     if len(chosen) > 1:
         raise InputError(f"{' and '.join(chosen)}: one at a time")
+    if (device or device_accuracy) and scene != DEFAULT_SCENE:
+        raise InputError(f"{chosen[0]}: draws scenes of its own, not {scene}")
     if plot and (figures or scenes or roofline or device or device_accuracy):
         raise InputError(f"--plot: there is none with {chosen[0]}")
     if plot:

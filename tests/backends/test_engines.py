@@ -1,6 +1,5 @@
 """The engines of JAX by name: those of accelerators, on a CPU."""
 
-import warnings
 from contextlib import nullcontext
 from dataclasses import replace
 
@@ -10,8 +9,9 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.backends.jax.choice import engine_of, platform_of
+from raytrace.backends.jax.choice import _without_its_warning, engine_of, platform_of
 from raytrace.backends.jax.kernel import Images, Kernels, Where, draw_by_kernel, prepared
+from raytrace.backends.jax.renderer import _compiled
 from raytrace.backends.jax.staged import Staged
 from raytrace.rendering import Options, Rendering
 from raytrace.scene.toml import scenes
@@ -46,8 +46,8 @@ def test_every_step_is_drawn(engine):
     for name, step in staged.items():
         assert ours[name].shape == step.shape
         assert ours[name].dtype == step.dtype
-        if step.dtype == np.int32:
-            np.testing.assert_array_equal(ours[name], step)
+        apart = np.abs(np.asarray(ours[name], np.float64) - np.asarray(step)).reshape(SIZE[1], SIZE[0], -1).max(axis=-1)
+        assert (apart > 1e-4).sum() <= 0.02 * apart.size, name
 
 
 @pytest.mark.parametrize("engine", ACCELERATORS)
@@ -81,7 +81,7 @@ def with_sun(scene, direction):
 
 
 @pytest.mark.parametrize("engine", some(ACCELERATORS, "kernel"))
-@pytest.mark.parametrize("spheres", some((6, 60), 60))
+@pytest.mark.parametrize("spheres", some((6, 60), 6))
 def test_derivatives_are_the_staged_engine_s(spheres, engine):
     scene = crowd(spheres)
     weights = jnp.asarray(np.random.default_rng(3).normal(size=(SIZE[1], SIZE[0], 3)), jnp.float32)
@@ -167,9 +167,7 @@ def test_the_kernel_can_be_lowered_for_a_gpu(scene):
         uniforms = renderer.layout.unpack(numbers)
         return draw_by_kernel(images, uniforms, prepared(uniforms, renderer.job.program), Where(0, 0, 0))
 
-    with warnings.catch_warnings(), a_gpu():
-        # From 0.11 on JAX announces that it will leave Triton to others.
-        warnings.filterwarnings("ignore", "The Pallas Triton backend is deprecated", DeprecationWarning)
+    with _without_its_warning(), a_gpu():
         lowered = jax.jit(drawn).trace(jnp.asarray(renderer.numbers)).lower(lowering_platforms=("cuda",))
     assert "triton" in lowered.as_text()
 
@@ -180,6 +178,25 @@ def a_gpu():
         return nullcontext()
     device = jax.sharding.AbstractDevice(device_kind="NVIDIA H100", num_cores=132, platform="gpu")
     return jax.sharding.use_abstract_mesh(jax.sharding.AbstractMesh((), (), abstract_device=device))
+
+
+def test_on_a_machine_with_a_gpu_the_platform_is_known_where_it_is_lowered(monkeypatch):
+    """There the program of a `jit` holds what each platform draws; a CPU is one of them."""
+    monkeypatch.setattr("raytrace.backends.jax.renderer.backends", lambda: {"cpu": None, "cuda": None})
+    scene = raytrace.load_scene("lit-sphere")
+    size = (13, 8)  # not a traced program of another test
+
+    def loss(sun):
+        return raytrace.render(with_sun(scene, sun), size, output="linear").mean()
+
+    sun = jnp.asarray([0.3, 1, 0.2], jnp.float32)
+    traced = jax.jit(jax.value_and_grad(loss)).trace(sun)
+    assert "raytrace_picture" in str(jax.make_jaxpr(loss)(sun))
+    value, slope = traced.lower().compile()(sun)
+    steps = [(loss(sun.at[k].add(h)) - loss(sun.at[k].add(-h))) / (2 * h) for k in range(3) for h in (0.05,)]
+    drawn = raytrace.render(with_sun(scene, np.asarray(sun)), size, output="linear")
+    np.testing.assert_allclose(value, drawn.mean(), rtol=1e-5)
+    np.testing.assert_allclose(slope, steps, atol=2e-3)
 
 
 def test_where_pallas_cannot_xla_draws(monkeypatch, caplog):
@@ -202,7 +219,7 @@ def test_arrays_that_are_changed_in_place_are_seen():
     scene.spheres.color[:] = 0.5 * scene.spheres.color
     after = np.asarray(raytrace.render(scene, SIZE))
     assert (after != before).any()
-    np.testing.assert_array_equal(after, raytrace.render(replace(scene), SIZE))
+    assert_nearly(after, raytrace.render(scene, SIZE, backend="numpy"))
 
 
 def test_a_prepared_renderer_is_render():
@@ -210,7 +227,10 @@ def test_a_prepared_renderer_is_render():
     renderer = raytrace.prepare(scene, SIZE, output="linear")
     np.testing.assert_array_equal(renderer(), raytrace.render(scene, SIZE, output="linear"))
     other = with_sun(scene, np.array([0.3, 1, 0.2]))
-    np.testing.assert_array_equal(renderer(other), raytrace.render(other, SIZE, output="linear"))
+    programs = _compiled.cache_info().misses
+    drawn = np.asarray(renderer(other))
+    assert _compiled.cache_info().misses == programs
+    assert_nearly(drawn, raytrace.render(other, SIZE, output="linear", backend="numpy"))
     sun = jnp.asarray([0.3, 1, 0.2], jnp.float32)
     traced = jax.jit(lambda sun: renderer(with_sun(scene, sun)))(sun)
     np.testing.assert_allclose(traced, renderer(other), rtol=1e-5, atol=1e-6)

@@ -102,10 +102,11 @@ print("done", flush=True)
 FORKED = """
 import os, warnings, raytrace
 warnings.simplefilter("ignore")
-raytrace.render("sphere", (8, 8))
+scene = raytrace.load_scene("sphere")
+raytrace.render(scene, (8, 8))
 if not os.fork():
     try:
-        raytrace.render("sphere", (8, 8))
+        raytrace.render(scene, (8, 8))
     except raytrace.InputError as error:
         print(error, flush=True)
     os._exit(0)

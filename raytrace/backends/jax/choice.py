@@ -5,7 +5,9 @@ consumer, and control flow stops that; on a GPU every tile, branch and turn of a
 """
 
 import logging
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
@@ -41,16 +43,16 @@ def platform_of(device: Any) -> str:
 def engine_of(job: Job, platform: str, spheres: int) -> Any:
     """Return the engine that the job asks for, or the fastest one on that platform for so many spheres.
 
-    platform: also "differentiated", for what an accelerator is to differentiate.
+    platform: a platform's name; or "differentiated", where an accelerator differentiates the picture.
     """
     chosen = job.engine
     if chosen is None:
         chosen = {"cpu": "staged", "cuda": "kernel"}.get(platform, "fused")
+    if chosen == "kernel" or isinstance(chosen, Kernels):
+        # A kernel has no derivative.
+        chosen = chosen if platform != "differentiated" and _has_a_kernel(job) else "fused"
     if not isinstance(chosen, str):
-        # The settings of a kernel are those of what has no derivative.
-        return ENGINES["fused"] if platform == "differentiated" and isinstance(chosen, Kernels) else chosen
-    if chosen == "kernel" and (platform == "differentiated" or not _has_a_kernel(job)):
-        chosen = "fused"
+        return chosen
     if chosen == "fused" and (spheres > MANY_FOR_A_FUSION or job.program.antialias == "edges"):
         return Staged(block=WHOLE)
     engine = ENGINES[chosen]
@@ -58,17 +60,26 @@ def engine_of(job: Job, platform: str, spheres: int) -> Any:
 
 
 def or_fused(job: Job, engine: Any, spheres: int, lowered: Callable[[Any], Any]) -> Any:
-    """Return `lowered(engine)`; where Pallas cannot lower a kernel that nobody asked for, what XLA draws by itself.
+    """Return `lowered(engine)`; if Pallas cannot lower the kernel, and no engine was asked for, that of XLA's fusion.
 
-    Pallas for Triton knows a list of GPUs, and JAX will leave it to others.
+    Newer versions of Pallas know a list of GPUs only, and JAX plans to drop Pallas' Triton backend.
     """
     try:
-        return lowered(engine)
+        with _without_its_warning() if isinstance(engine, Kernels) else nullcontext():
+            return lowered(engine)
     except (ImportError, NotImplementedError, RuntimeError, ValueError) as error:
         if not isinstance(engine, Kernels) or job.engine is not None:
             raise
         _tell(str(error).partition("\n")[0])
         return lowered(engine_of(job, "another", spheres))
+
+
+@contextmanager
+def _without_its_warning() -> Iterator[None]:
+    """Within this context Pallas does not say that it is deprecated: nobody chose it who could choose otherwise."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "The Pallas Triton backend is deprecated", DeprecationWarning)
+        yield
 
 
 @cache
@@ -77,11 +88,14 @@ def _tell(reason: str) -> None:
 
 
 def _has_a_kernel(job: Job) -> bool:
-    """Whether a kernel can draw it: not the text of edges, nor functions of a user's, of which Pallas knows too few."""
+    """Whether a kernel can draw it: it draws no edges, and Pallas lacks operations that a user's function may use."""
     return job.program.antialias == "none" and choices_as_text(job.program) is not None and _pallas()
 
 
 @cache
 def _pallas() -> bool:
-    """Whether this JAX has Pallas with Triton, which is deprecated from 0.11 on."""
-    return find_spec("jax.experimental.pallas.triton") is not None
+    """Whether this JAX has Pallas' Triton backend, which is deprecated from 0.11 on."""
+    try:
+        return find_spec("jax.experimental.pallas.triton") is not None
+    except ImportError:
+        return False

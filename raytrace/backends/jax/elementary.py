@@ -71,7 +71,7 @@ def log2(x: jax.Array) -> jax.Array:
 @jax.custom_jvp
 def exp2(x: jax.Array) -> jax.Array:
     """Two to the power `x`, float32."""
-    nearest = jnp.floor(jnp.clip(x, -127, 128) + 0.5)
+    nearest = jnp.round(jnp.clip(x, -127, 128))
     f = x - nearest
     value = 1 + f * _polynomial(_EXP2, f)
     # Times 2**nearest: from 0.7 to 1.5 the value's own exponent leaves room for all that are not decided below.

@@ -39,8 +39,7 @@ MANY = 16
 class Kernels:
     """The settings: the pixels of a tile, a power of two, and the warps of 32 threads that draw one.
 
-    On an H200 one or two pixels for each thread take 0.10 ms for the default scene at 1920x1080, four 0.12 and eight
-    0.25, as there are too few registers; several tiles one after the other in one program take longer, too.
+    Four pixels and more for each thread take too many registers (notebooks/speed.md).
     """
 
     tile_height: int = 8
@@ -107,7 +106,7 @@ class Kernel(Attentive):
 
     def branch(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
         assert self.active is not None
-        # A condition of a uniform, too: a side must not be a number by itself, which Pallas does not take for one.
+        # A uniform's condition, too: Pallas fails where a side gives a constant of shape ().
         condition = jnp.broadcast_to(condition, self.active.shape)
         sides = []
         for taken, function in ((condition, then), (~condition, other)):
@@ -156,10 +155,13 @@ class _Loop(Loop):
         """Few spheres: those whose rectangle a ray of the tile may be in."""
         active = self.engine.active
         assert active is not None
-        region = Region.of(self._where(active), active)
+        where = self._where(active)
+        region = Region.of(where, active)
+        # A GPU's minimum leaves NaN out. Such a ray may meet anything.
+        unsure = any_of(active & jnp.isnan(where.u + where.v + where.w + where.error))
         for i in range(count(self.spheres)):
             bounds, sphere = jax.tree.map(lambda leaf, i=i: leaf[i], (self.visible.bounds, self.spheres))
-            needed = ~outside(bounds, region) | self.engine.everything
+            needed = ~outside(bounds, region) | unsure | self.engine.everything
 
             def met(i: int = i, sphere: Sphere = sphere, state: Any = state) -> Any:
                 return shaped(self.body(state, i, sphere, *self.args), state)
@@ -269,6 +271,7 @@ class _Given:
         def draw(tile: _Tile) -> list[tuple]:
             engine = Kernel(
                 quadratic=job.program.intersection == "textbook",
+                few=MANY,
                 everything=mode > 0,
                 differentiated=False,
                 contexts=[tile.inside],

@@ -6,13 +6,14 @@ derivative, by operations that JAX knows.
 """
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import core
+from jax.custom_derivatives import SymbolicZero
 from jax.extend.core import Primitive
 from jax.interpreters import batching, mlir
 
@@ -35,13 +36,20 @@ def traced_picture(job: Job, rows: int, uniforms: Uniforms, mode: Any, first: An
     def picture(leaves: list[jax.Array], mode: Any, first: Any) -> list[jax.Array]:
         return _picture.bind(*leaves, mode, first, job=job, rows=rows, tree=tree, batched=())
 
-    @picture.defjvp
-    def _(primals: tuple, tangents: tuple) -> tuple:
+    def rule(primals: tuple, tangents: tuple) -> tuple:
         leaves, mode, first = primals
+        moving = [i for i, tangent in enumerate(tangents[0]) if not isinstance(tangent, SymbolicZero)]
         engine = engine_of(job, "differentiated", count(uniforms.spheres))
-        drawn: Callable = partial(_drawn, engine, True, job=job, rows=rows, tree=tree)
-        return jax.jvp(lambda leaves: drawn(*leaves, mode, first), (leaves,), tangents[:1])
 
+        def drawn(*some: jax.Array) -> list[jax.Array]:
+            moved = list(leaves)
+            for i, leaf in zip(moving, some, strict=True):
+                moved[i] = leaf
+            return _drawn(engine, True, *moved, mode, first, job=job, rows=rows, tree=tree)
+
+        return jax.jvp(drawn, tuple(leaves[i] for i in moving), tuple(tangents[0][i] for i in moving))
+
+    picture.defjvp(rule, symbolic_zeros=True)
     return dict(zip(job.keep, picture(leaves, mode, first), strict=True))
 
 
@@ -91,7 +99,7 @@ def _on(platform: str) -> Callable:
 
 
 def _batched(operands: Sequence[Any], axes: Sequence[Any], batched: tuple[bool, ...], **params: Any) -> tuple:
-    """One batch of pictures; two are one of all pairs, as a kernel has room for one."""
+    """A batch of pictures. A batch of batches becomes one batch of all pairs: a kernel's grid has one axis for them."""
     n = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
     moved = [x if axis is None else jnp.moveaxis(x, axis, 0) for x, axis in zip(operands, axes, strict=True)]
     now = tuple(axis is not None for axis in axes)
@@ -113,15 +121,9 @@ def _batched(operands: Sequence[Any], axes: Sequence[Any], batched: tuple[bool, 
     return [image.reshape(n, inner, *image.shape[1:]) for image in images], [0] * len(images)
 
 
-@lru_cache(maxsize=32)
-def _compiled(**params: Any) -> Callable:
-    return jax.jit(lambda *operands: _picture.bind(*operands, **params))
-
-
 _picture = Primitive("raytrace_picture")
 _picture.multiple_results = True
 _picture.def_abstract_eval(_shapes)
-_picture.def_impl(lambda *operands, **params: _compiled(**params)(*operands))
 mlir.register_lowering(_picture, _on("another"))
 for _platform in ("cpu", "cuda"):
     mlir.register_lowering(_picture, _on(_platform), platform=_platform)

@@ -11,6 +11,7 @@ import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jax import lax
+from jax.extend.backend import backends
 from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from raytrace.backends.jax.choice import engine_of, or_fused, platform_of
@@ -53,7 +54,9 @@ def _traced(job: Job, rows: int, devices: Mesh) -> Callable:
     @jax.jit
     def drawn(uniforms: Uniforms, mode: Any, first: Any) -> dict[str, jax.Array]:
         spheres = count(uniforms.spheres)
-        if job.engine is None and job.program.antialias == "none":
+        # On a machine of CPUs the other platforms' residuals would be kept for reverse mode, as zeros.
+        several = set(backends()) != {"cpu"}
+        if several and job.engine is None and job.program.antialias == "none":
             on_cpu = partial(by, engine_of(job, "cpu", spheres))
             return lax.platform_dependent(uniforms, mode, first, cpu=on_cpu, default=as_picture)
         # Edges' text would be traced once for each platform.
@@ -92,11 +95,11 @@ def _compiled(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, c
         def drawn(numbers: jax.Array, culled: Any, mode: Any, first: Any) -> dict[str, jax.Array]:
             return draw(job, engine, rows, devices, False, layout.unpack(numbers), culled, mode, first)
 
-        return jax.jit(drawn, compiler_options=OPTIONS).lower(numbers, culled, *scalars)
+        return jax.jit(drawn, compiler_options=OPTIONS).lower(numbers, culled, *scalars).compile()
 
     def compiled() -> Any:
         uniforms = layout.tree.unflatten(given(shape, job.dtype) for shape in layout.shapes)
-        return or_fused(job, engine, count(uniforms.spheres), by).compile()
+        return or_fused(job, engine, count(uniforms.spheres), by)
 
     return stored(_name(job, engine, rows, devices, layout, culled), list(devices.devices.flat), compiled)
 
@@ -183,7 +186,7 @@ class Renderer:
             rounded = jax.tree.map(partial(_rounded, exact=job.exact_inputs), uniforms)
             self.numbers, self.layout = pack(rounded, job.dtype)
             most = {Staged: MANY_FOR_SHADOW, Kernels: 0}.get(type(self.engine))
-            self.many = most is not None and count(uniforms.spheres) > most
+            self.prepares = most is not None and count(uniforms.spheres) > most
 
     def about(self) -> dict[str, str]:
         device = self.devices.devices.flat[0]
@@ -227,7 +230,7 @@ class Renderer:
     def _prepared(self) -> tuple[jax.Array, Culling | None]:
         """The uniforms, and with many spheres what is prepared of them, on all devices."""
         job, content = self.job, self.numbers.tobytes()
-        return _kept(job.program, job.dtype, self.engine, self.layout, content, self.many, self._everywhere())
+        return _kept(job.program, job.dtype, self.engine, self.layout, content, self.prepares, self._everywhere())
 
     def _everywhere(self) -> NamedSharding:
         return NamedSharding(self.devices, PartitionSpec())

@@ -35,10 +35,10 @@ class ExactImage(NamedTuple):
         """The errors of an image of the same scene and size."""
         error = np.abs(np.asarray(image) - self.display).max(axis=-1).astype(np.float64)
         over = ~(error <= 1 / 255)  # NaN is over, too
-        # A small picture can be all edges.
-        inner = error[~self.edge] if not self.edge.all() else np.zeros(1)
+        # A small picture can be all edges: of no pixel there is no error.
+        inner = error[~self.edge] if not self.edge.all() else np.full(1, np.nan)
         return Errors(
-            float(inner.max(initial=0)),
+            float(inner.max()),
             float(np.sqrt((inner**2).mean())),
             float(np.quantile(inner, 0.999)),
             float(np.quantile(inner, 0.9999)),

@@ -9,7 +9,7 @@ from raytrace.cli import app
 from raytrace.studies.bench import device
 from tests.scenes import some
 
-SIZE = (16, 9)
+SIZE = (32, 18)
 
 
 @pytest.mark.full
@@ -22,10 +22,10 @@ def test_every_row_has_a_time_and_the_pictures_an_error(monkeypatch):
     assert sum(row.errors is not None for row in rows) >= 5
 
 
-@pytest.mark.parametrize("scene", some(("spheres", "checkerboard", "two-hundred-spheres"), "spheres"))
+@pytest.mark.parametrize("scene", some(("spheres", "checkerboard", "orthographic"), "spheres"))
 def test_a_cpu_keeps_every_promise(scene):
     found = list(device.checks(SIZE, [scene]))
-    assert len(found) == 5
+    assert len(found) == 4
     assert all(check.kept for check in found), [check for check in found if not check.kept]
 
 
