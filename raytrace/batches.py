@@ -1,7 +1,8 @@
 """Many scenes in blocks: one program draws a block of pictures at a time."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from raytrace.errors import InputError
 from raytrace.rendering import Options, render
 from raytrace.scene.check import is_traced
-from raytrace.scene.data import Scene
+from raytrace.scene.data import Scene, Spheres
 from raytrace.scene.toml import as_scene
 
 __all__ = ["render_each"]
@@ -47,7 +48,7 @@ def render_each(scenes: Iterable[Scene | str | Path], size: tuple[int, int], **c
         groups.setdefault((jax.tree.structure(scene), _number(scene, options)), []).append(i)
     images: dict[int, np.ndarray] = {}
     block = max(1, PIXELS // (size[0] * size[1]))
-    program = jax.jit(jax.vmap(lambda scene: render(scene, size, **choices)))
+    program = _program(tuple(map(int, size)), tuple(sorted(choices.items())))
     for (_, spheres), members in groups.items():
         # Powers of two, so that few numbers of scenes have programs of their own.
         height = min(block, _power_of_two(len(members)))
@@ -85,14 +86,22 @@ def _together(options: Options) -> bool:
     return one_device().devices.flat[0].platform != "cpu"
 
 
+@lru_cache(maxsize=8)
+def _program(size: tuple[int, int], choices: tuple[tuple[str, Any], ...]) -> Callable:
+    """The program for a stack of scenes, which the next call finds again."""
+    import jax
+
+    return jax.jit(jax.vmap(lambda scene: render(scene, size, **dict(choices))))
+
+
 def _padded(scene: Scene, most: int) -> Scene:
     """The scene with its last sphere as often as makes that number."""
     spheres = scene.spheres
     missing = most - len(spheres.radius)
     if not missing:
         return scene
-    more = {
-        name: np.concatenate([array, np.repeat(array[-1:], missing, axis=0)])
-        for name, array in ((name, np.asarray(getattr(spheres, name))) for name in ("center", "radius", "color"))
-    }
-    return replace(scene, spheres=replace(spheres, **more))
+    center, radius, color = (
+        np.concatenate([part, np.repeat(part[-1:], missing, axis=0)])
+        for part in map(np.asarray, (spheres.center, spheres.radius, spheres.color))
+    )
+    return replace(scene, spheres=Spheres(center, radius, color))

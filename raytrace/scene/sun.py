@@ -1,13 +1,15 @@
-"""The sun's direction as two angles, in degrees."""
+"""The sun's direction: as two angles, in degrees, and in a scene."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from raytrace.language.namespace import namespace
+from raytrace.scene.data import Scene
 
-__all__ = ["sun_angles", "sun_direction"]
+__all__ = ["lit_from", "sun_angles", "sun_direction"]
 
 _DEGREE = math.pi / 180
 
@@ -31,3 +33,8 @@ def sun_angles(direction: Any) -> tuple[Any, Any]:
     length = xp.sqrt(x * x + y * y + z * z)
     # A rounding may take y / length above 1.
     return xp.arctan2(x, -z) / _DEGREE, xp.arcsin(xp.clip(y / length, -1, 1)) / _DEGREE
+
+
+def lit_from(scene: Scene, direction: Any) -> Scene:
+    """Return the scene with its sun in that direction (3,), of any length."""
+    return replace(scene, sun=replace(scene.sun, direction=direction))

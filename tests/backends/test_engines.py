@@ -14,6 +14,7 @@ from raytrace.backends.jax.kernel import Images, Kernels, Where, draw_by_kernel,
 from raytrace.backends.jax.renderer import _compiled
 from raytrace.backends.jax.staged import Staged
 from raytrace.rendering import Options, Rendering
+from raytrace.scene.sun import lit_from
 from raytrace.scene.toml import scenes
 from raytrace.studies.bench.crowds import crowd
 from tests.scenes import some
@@ -76,10 +77,6 @@ def test_skipping_changes_no_bit_of_a_kernel():
         np.testing.assert_array_equal(skipping, whole)
 
 
-def with_sun(scene, direction):
-    return replace(scene, sun=replace(scene.sun, direction=direction))
-
-
 @pytest.mark.parametrize("engine", some(ACCELERATORS, "kernel"))
 @pytest.mark.parametrize("spheres", some((6, 60), 6))
 def test_derivatives_are_the_staged_engine_s(spheres, engine):
@@ -89,7 +86,7 @@ def test_derivatives_are_the_staged_engine_s(spheres, engine):
 
     def loss(engine):
         return lambda sun: jnp.sum(
-            raytrace.render(with_sun(scene, sun), SIZE, output="linear", engine=engine) * weights
+            raytrace.render(lit_from(scene, sun), SIZE, output="linear", engine=engine) * weights
         )
 
     value, slope = jax.jit(jax.vmap(jax.value_and_grad(loss(engine))))(suns)
@@ -107,7 +104,7 @@ def test_derivatives_of_each_channel_and_second_ones_are_finite(engine):
     scene = raytrace.load_scene("checkerboard")
 
     def channels(sun):
-        return raytrace.render(with_sun(scene, sun), SIZE, engine=engine).mean((0, 1))
+        return raytrace.render(lit_from(scene, sun), SIZE, engine=engine).mean((0, 1))
 
     sun = jnp.asarray(scene.sun.direction, jnp.float32)
     slopes, bend = jax.jit(lambda sun: (jax.jacrev(channels)(sun), jax.hessian(lambda sun: channels(sun)[0])(sun)))(sun)
@@ -187,14 +184,14 @@ def test_on_a_machine_with_a_gpu_the_platform_is_known_where_it_is_lowered(monke
     size = (13, 8)  # not a traced program of another test
 
     def loss(sun):
-        return raytrace.render(with_sun(scene, sun), size, output="linear").mean()
+        return raytrace.render(lit_from(scene, sun), size, output="linear").mean()
 
     sun = jnp.asarray([0.3, 1, 0.2], jnp.float32)
     traced = jax.jit(jax.value_and_grad(loss)).trace(sun)
     assert "raytrace_picture" in str(jax.make_jaxpr(loss)(sun))
     value, slope = traced.lower().compile()(sun)
     steps = [(loss(sun.at[k].add(h)) - loss(sun.at[k].add(-h))) / (2 * h) for k in range(3) for h in (0.05,)]
-    drawn = raytrace.render(with_sun(scene, np.asarray(sun)), size, output="linear")
+    drawn = raytrace.render(lit_from(scene, np.asarray(sun)), size, output="linear")
     np.testing.assert_allclose(value, drawn.mean(), rtol=1e-5)
     np.testing.assert_allclose(slope, steps, atol=2e-3)
 
@@ -226,13 +223,13 @@ def test_a_prepared_renderer_is_render():
     scene = raytrace.load_scene("spheres")
     renderer = raytrace.prepare(scene, SIZE, output="linear")
     np.testing.assert_array_equal(renderer(), raytrace.render(scene, SIZE, output="linear"))
-    other = with_sun(scene, np.array([0.3, 1, 0.2]))
+    other = lit_from(scene, np.array([0.3, 1, 0.2]))
     programs = _compiled.cache_info().misses
     drawn = np.asarray(renderer(other))
     assert _compiled.cache_info().misses == programs
     assert_nearly(drawn, raytrace.render(other, SIZE, output="linear", backend="numpy"))
     sun = jnp.asarray([0.3, 1, 0.2], jnp.float32)
-    traced = jax.jit(lambda sun: renderer(with_sun(scene, sun)))(sun)
+    traced = jax.jit(lambda sun: renderer(lit_from(scene, sun)))(sun)
     np.testing.assert_allclose(traced, renderer(other), rtol=1e-5, atol=1e-6)
     with pytest.raises(raytrace.InputError, match=r"^size: "):
         raytrace.prepare(scene, (0, 5))

@@ -14,11 +14,12 @@ import jax.numpy as jnp
 from jax import lax
 
 from raytrace.backends.jax import elementary
+from raytrace.backends.jax.traced import traced
 from raytrace.language.control import Engine, count
 from raytrace.language.glsl import select
 from raytrace.shader.hit import Hit
 
-__all__ = ["Attentive", "Fused", "OneProgram", "OwnFunctions", "any_of", "shaped"]
+__all__ = ["Attentive", "Fused", "OneProgram", "OwnFunctions", "any_of", "computed_if", "shaped"]
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,9 @@ class Fused(OwnFunctions):
     """All pixels of an image in as few fusions as XLA makes of it, as an accelerator wants it."""
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
-        if items is None or not isinstance(start, Hit):
+        # A loop sees to it by itself.
+        written_out = unroll and 0 < count(items) <= self.few
+        if not isinstance(start, Hit) or not written_out:
             return super().each(items, body, start, args, unroll)
         # What was hit alone has a derivative: that of what is missed may be infinite, and nothing times that is NaN.
         found = super().each(*lax.stop_gradient((items,)), body, start, lax.stop_gradient(args), unroll)
@@ -93,12 +96,11 @@ class Attentive(OwnFunctions):
     """An engine that knows which pixels are of interest, made anew in each trace: it holds what that trace computes.
 
     quadratic: whether the textbook's formula is computed. everything: whether nothing is skipped: then all branches are
-    computed and all lists are full. The bits are the same. differentiated: whether the picture is being differentiated.
+    computed and all lists are full. The bits are the same.
     """
 
     quadratic: bool
     everything: Any
-    differentiated: bool
     #: The pixels of interest within the contexts that are entered, the innermost last; ``None`` for all.
     contexts: list[jax.Array | None] = field(default_factory=lambda: [None])
 
@@ -109,6 +111,10 @@ class Attentive(OwnFunctions):
     @property
     def active(self) -> jax.Array | None:
         return self.contexts[-1]
+
+    def some(self, mask: jax.Array) -> jax.Array:
+        """Return whether `mask` holds for any pixel."""
+        return jnp.any(mask)
 
     def among(self, condition: jax.Array) -> Any:
         """Within this context only those pixels for which `condition` holds are of interest."""
@@ -123,6 +129,17 @@ class Attentive(OwnFunctions):
         finally:
             self.contexts.pop()
 
+    def branch(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
+        sides = []
+        for taken, function in ((condition, then), (~condition, other)):
+            with self.among(taken) as active:
+                sides.append((self.some(active) | self.everything, *traced(function, *args)))
+        shapes = jax.tree.map(
+            lambda a, b: jax.ShapeDtypeStruct(jnp.broadcast_shapes(condition.shape, a.shape, b.shape), a.dtype),
+            *(shapes for _, _, shapes in sides),
+        )
+        return select(condition, *(computed_if(needed, side, shapes, args) for needed, side, _ in sides))
+
 
 def any_of(mask: jax.Array) -> jax.Array:
     """Return ``any(mask)``, as a maximum: Pallas' kernels know no other reduction of truth values."""
@@ -132,3 +149,12 @@ def any_of(mask: jax.Array) -> jax.Array:
 def shaped(tree: Any, shapes: Any) -> Any:
     """`tree` with its leaves broadcast to the shapes of those of `shapes`."""
     return jax.tree.map(lambda leaf, shape: jnp.broadcast_to(leaf, shape.shape), tree, shapes)
+
+
+def computed_if(needed: jax.Array, function: Callable, shapes: Any, args: Any) -> Any:
+    """`function(*args)` broadcast to `shapes`, or zeros where it is not `needed`; never fused with its callers."""
+
+    def skipped(*_: Any) -> Any:
+        return jax.tree.map(lambda shape: jnp.zeros(shape.shape, shape.dtype), shapes)
+
+    return lax.cond(needed, lambda *args: shaped(function(*args), shapes), skipped, *args)

@@ -16,13 +16,11 @@ import jax
 import jax.numpy as jnp
 from jax import lax
 
-from raytrace.backends.culling import Coordinates, Region, outside
-from raytrace.backends.jax.engines import Attentive, any_of, shaped
+from raytrace.backends.culling import Region, outside
+from raytrace.backends.jax.engines import Attentive, OneProgram, any_of, shaped
 from raytrace.backends.jax.staged import Culling, Loop, Visible, culling
-from raytrace.backends.jax.traced import traced
 from raytrace.backends.job import Job
 from raytrace.language.control import count, running
-from raytrace.language.glsl import select
 from raytrace.shader.hit import Hit
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import pixels
@@ -32,7 +30,7 @@ __all__ = ["MANY", "Images", "Kernels", "Where", "draw_by_kernel", "prepared"]
 
 #: With more spheres than this each ray looks into a grid; up to here the text holds every one of them, and a tile
 #: skips those that none of its rays can meet.
-MANY = 16
+MANY = OneProgram.few
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ class Where(NamedTuple):
 
 
 class Images(NamedTuple):
-    """What a kernel draws: `rows` x `columns` pixels of a job's frame, of uniforms of that structure."""
+    """What a kernel draws: `rows` x `columns` pixels of a job's frame."""
 
     job: Job
     rows: int
@@ -104,26 +102,13 @@ class Kernel(Attentive):
     def log2(self, x: jax.Array) -> jax.Array:
         return lax.log(x) * jnp.asarray(1 / math.log(2), x.dtype)
 
+    def some(self, mask: jax.Array) -> jax.Array:
+        return any_of(mask)
+
     def branch(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
         assert self.active is not None
         # A uniform's condition, too: Pallas fails where a side gives a constant of shape ().
-        condition = jnp.broadcast_to(condition, self.active.shape)
-        sides = []
-        for taken, function in ((condition, then), (~condition, other)):
-            with self.among(taken) as active:
-                sides.append((any_of(active) | self.everything, *traced(function, *args)))
-        shapes = jax.tree.map(
-            lambda a, b: jax.ShapeDtypeStruct(jnp.broadcast_shapes(condition.shape, a.shape, b.shape), a.dtype),
-            *(shapes for _, _, shapes in sides),
-        )
-
-        def skipped() -> Any:
-            return jax.tree.map(lambda shape: jnp.zeros(shape.shape, shape.dtype), shapes)
-
-        def computed(side: Callable) -> Callable:
-            return lambda: shaped(side(*args), shapes)
-
-        return select(condition, *(lax.cond(needed, computed(side), skipped) for needed, side, _ in sides))
+        return super().branch(jnp.broadcast_to(condition, self.active.shape), then, other, args)
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
         visible = self.culling.primary if isinstance(start, Hit) else self.culling.shadow
@@ -155,7 +140,7 @@ class _Loop(Loop):
         """Few spheres: those whose rectangle a ray of the tile may be in."""
         active = self.engine.active
         assert active is not None
-        where = self._where(active)
+        where = self.where(active.shape)
         region = Region.of(where, active)
         # A GPU's minimum leaves NaN out. Such a ray may meet anything.
         unsure = any_of(active & jnp.isnan(where.u + where.v + where.w + where.error))
@@ -169,17 +154,13 @@ class _Loop(Loop):
             state = lax.cond(needed, met, lambda state=state: state)
         return state
 
-    def _where(self, active: jax.Array) -> Coordinates:
-        where = self.visible.rays.coordinates(self.args[0], self.args[1], self.engine.quadratic)
-        return shaped(where, jax.tree.map(lambda x: jax.ShapeDtypeStruct(active.shape, x.dtype), where))
-
     def run(self, state: Any) -> Any:
         """Many: the large ones one by one, then each ray over those of its own cells."""
         grid, large, active = self.visible.grid, self.visible.large, self.engine.active
         assert grid is not None
         assert large is not None
         assert active is not None
-        where = self._where(active)
+        where = self.where(active.shape)
 
         def of_large(k: jax.Array, state: Any) -> Any:
             i = large[k]
@@ -271,9 +252,7 @@ class _Given:
         def draw(tile: _Tile) -> list[tuple]:
             engine = Kernel(
                 quadratic=job.program.intersection == "textbook",
-                few=MANY,
                 everything=mode > 0,
-                differentiated=False,
                 contexts=[tile.inside],
                 culling=Culling(None, None) if culled is None else culled,
             )

@@ -15,8 +15,8 @@ import jax.numpy as jnp
 from jax import lax
 from jax.ad_checkpoint import checkpoint_name
 
-from raytrace.backends.culling import Beam, Extent, Pencil, Region, outside, primary_rays, shadow_rays
-from raytrace.backends.jax.engines import Attentive, OneProgram, any_of, shaped
+from raytrace.backends.culling import Beam, Coordinates, Extent, Pencil, Region, outside, primary_rays, shadow_rays
+from raytrace.backends.jax.engines import Attentive, OneProgram, computed_if, shaped
 from raytrace.backends.jax.grid import Grid, candidates, grid
 from raytrace.backends.jax.traced import traced
 from raytrace.language.control import count
@@ -108,10 +108,14 @@ class Staged(OneProgram):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Block(Attentive):
-    """The engine for one block of pixels. always: true, which the compiler must not know."""
+    """The engine for one block of pixels.
+
+    always: true, which the compiler must not know. differentiated: whether the picture is being differentiated.
+    """
 
     culling: Culling
     always: Any
+    differentiated: bool
 
     def step(self, function: Callable, args: tuple) -> Any:
         leaves, tree = jax.tree.flatten(args, is_leaf=lambda part: not isinstance(part, tuple))
@@ -122,17 +126,6 @@ class Block(Attentive):
             return function(*tree.unflatten(next(given) if isinstance(leaf, jax.Array) else leaf for leaf in leaves))
 
         return computed_if(self.always, *traced(kernel, *planes), planes)
-
-    def branch(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
-        sides = []
-        for taken, function in ((condition, then), (~condition, other)):
-            with self.among(taken) as active:
-                sides.append((jnp.any(active) | self.everything, *traced(function, *args)))
-        shapes = jax.tree.map(
-            lambda a, b: jax.ShapeDtypeStruct(jnp.broadcast_shapes(condition.shape, a.shape, b.shape), a.dtype),
-            *(shapes for _, _, shapes in sides),
-        )
-        return select(condition, *(computed_if(needed, side, shapes, args) for needed, side, _ in sides))
 
     def rarely(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
         n, active = condition.size, self.active
@@ -190,8 +183,7 @@ class Loop(NamedTuple):
         plane = jax.tree.leaves(state)[0]
         active = jnp.ones(plane.shape, bool) if self.engine.active is None else self.engine.active
         active = jnp.broadcast_to(active, plane.shape)
-        where = self.visible.rays.coordinates(self.args[0], self.args[1], self.engine.quadratic)
-        where = shaped(where, jax.tree.map(lambda x: jax.ShapeDtypeStruct(plane.shape, x.dtype), where))
+        where = self.where(plane.shape)
         region = Region.of(where, active)
         size = min(n, CHUNK)
         large = self.visible.large
@@ -204,6 +196,11 @@ class Loop(NamedTuple):
 
         state = lax.fori_loop(0, -(-grid.large // size), of_chunk, state)
         return self.in_cells(grid, where, active, state)
+
+    def where(self, shape: tuple[int, ...]) -> Coordinates:
+        """The coordinates of the rays, planes of that shape."""
+        where = self.visible.rays.coordinates(self.args[0], self.args[1], self.engine.quadratic)
+        return shaped(where, jax.tree.map(lambda x: jax.ShapeDtypeStruct(shape, x.dtype), where))
 
     def _listed(self, indices: jax.Array, given: jax.Array, region: Region, active: jax.Array, state: Any) -> Any:
         """Over those of the spheres numbered `indices` that a ray of the region can meet."""
@@ -245,7 +242,7 @@ class Loop(NamedTuple):
         def rounds_left(blocked: jax.Array) -> jax.Array:
             # One sphere is enough for a shadow.
             open = active & ~blocked
-            return jnp.where(any_of(open) | self.engine.everything, rounds(open | self.engine.everything), 0)
+            return jnp.where(self.engine.some(open) | self.engine.everything, rounds(open | self.engine.everything), 0)
 
         def more(carry: tuple) -> jax.Array:
             k, blocked = carry
@@ -257,12 +254,3 @@ class Loop(NamedTuple):
 def taken(leaf: Any, places: jax.Array) -> jax.Array:
     """Return the items at `places`, all of which exist."""
     return leaf.at[places].get(mode="promise_in_bounds") if isinstance(leaf, jax.Array) else leaf[places]
-
-
-def computed_if(needed: jax.Array, function: Callable, shapes: Any, args: Any) -> Any:
-    """`function(*args)` broadcast to `shapes`, or zeros where it is not `needed`; never fused with its callers."""
-
-    def skipped(*_: Any) -> Any:
-        return jax.tree.map(lambda shape: jnp.zeros(shape.shape, shape.dtype), shapes)
-
-    return lax.cond(needed, lambda *args: shaped(function(*args), shapes), skipped, *args)

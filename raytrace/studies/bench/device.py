@@ -3,19 +3,19 @@
 `checks` holds the promises made elsewhere for a CPU against the device.
 """
 
-import statistics
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
+from raytrace.scene.sun import lit_from
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene, scenes
 from raytrace.studies.bench.accuracy import Errors, reference
 from raytrace.studies.bench.crowds import crowd
+from raytrace.studies.bench.timing import in_turn, ready
 
 __all__ = ["Check", "DeviceRow", "checks", "rows"]
 
@@ -41,11 +41,6 @@ class Check(NamedTuple):
     name: str
     kept: bool
     detail: str
-
-
-def with_sun(scene: Scene, direction: Any) -> Scene:
-    """Return the scene with its sun in another direction."""
-    return replace(scene, sun=replace(scene.sun, direction=direction))
 
 
 def rows(
@@ -75,17 +70,17 @@ def rows(
 
     def waited(name: str, function: Callable, image: bool = False) -> DeviceRow:
         start = time.perf_counter()
-        drawn = function()
+        drawn = ready(function())
         compiling = time.perf_counter() - start
         return DeviceRow(name, _median(function, runs), compiling, exact.errors(drawn) if image else None)
 
     def display(**choices: Any) -> Callable:
-        return lambda sun: render(with_sun(scene, sun), size, **choices)
+        return lambda sun: render(lit_from(scene, sun), size, **choices)
 
     yield alone("default scene, the program alone", display(), sun, True)
     yield alone("the same, skipping nothing", display(skip=False), sun, True)
     yield alone("the same by XLA's fusion", display(engine="fused"), sun, True)
-    yield waited("the same through render, waiting", lambda: jax.block_until_ready(render(scene, size)), True)
+    yield waited("the same through render, waiting", lambda: render(scene, size), True)
     yield alone("16 samples a pixel", display(samples=4), sun, number=max(1, in_flight // 5))
     with jax.enable_x64(True):
         row = alone("float64, the program alone", display(dtype="float64"), sun.astype("float64"), True)
@@ -94,20 +89,20 @@ def rows(
     yield waited("float32 on the host", lambda: np.asarray(render(scene, size)), True)
 
     def brightness(size: tuple[int, int], **choices: Any) -> Callable:
-        return lambda sun: jnp.mean(render(with_sun(scene, sun), size, **choices) ** 2)
+        return lambda sun: jnp.mean(render(lit_from(scene, sun), size, **choices) ** 2)
 
     yield alone("value and gradient by the sun", jax.value_and_grad(brightness(size)), sun)
     suns = sun + 1e-4 * jnp.arange(batch)[:, None] * jnp.array([0, 0, 1])
     small = (SIDE, SIDE)
     few = max(1, in_flight // 10)
     several = f"{batch} suns at {SIDE}x{SIDE}"
-    yield alone(several, jax.vmap(lambda sun: render(with_sun(scene, sun), small)), suns, number=few)
+    yield alone(several, jax.vmap(lambda sun: render(lit_from(scene, sun), small)), suns, number=few)
     yield alone(f"{several}, value and gradient", jax.vmap(jax.value_and_grad(brightness(small))), suns, number=few)
     for number in crowds:
         many = crowd(number)
 
         def of_crowd(sun: Any, many: Scene = many) -> Any:
-            return render(with_sun(many, sun), size)
+            return render(lit_from(many, sun), size)
 
         yield alone(f"{number} spheres, grids included", of_crowd, sun, number=few)
     yield alone("edges", display(antialias="edges"), sun, number=max(1, in_flight // 30))
@@ -115,19 +110,13 @@ def rows(
 
 def _median(function: Callable[[], Any], runs: int) -> float:
     """Milliseconds of a run, after one that does not count."""
-    function()
-    times = []
-    for _ in range(runs):
-        start = time.perf_counter()
-        function()
-        times.append(1e3 * (time.perf_counter() - start))
-    return statistics.median(times)
+    return in_turn({"": function}, runs)[""].median
 
 
 def _eight_bits(image: Any) -> Any:
     import jax.numpy as jnp
 
-    return jnp.floor(255 * image + 0.5).astype(jnp.uint8)
+    return jnp.rint(255 * image).astype(jnp.uint8)
 
 
 def checks(size: tuple[int, int], names: Sequence[str] | None = None) -> Iterator[Check]:
@@ -163,7 +152,7 @@ def _checks_of(name: str, scene: Scene, size: tuple[int, int]) -> Iterator[Check
     suns = np.asarray(scene.sun.direction, "float32") + np.array([[0, 0, 0], [0.2, 0, 0], [0, 0.3, 0.1]], "float32")
 
     def weighted(sun: Any) -> Any:
-        return jnp.sum(render(with_sun(scene, sun), size, output="linear") * weights)
+        return jnp.sum(render(lit_from(scene, sun), size, output="linear") * weights)
 
     slope = jax.jit(jax.grad(weighted))
     here = np.array([slope(sun) for sun in suns])

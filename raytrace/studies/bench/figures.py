@@ -2,13 +2,12 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stdout
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from raytrace.errors import EngineFailure, InputError
 from raytrace.notebook import view
 from raytrace.rendering import render
-from raytrace.scene.data import Scene
+from raytrace.scene.sun import lit_from
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 from raytrace.studies.bench.accuracy import reference
 from raytrace.studies.bench.contenders import mitsuba_frame, plain_jit
@@ -97,7 +96,7 @@ def _gradient(size: tuple[int, int], runs: int) -> Iterator[Figure]:
     scene = load_scene(DEFAULT_SCENE)
 
     def brightness(direction: jax.Array) -> jax.Array:
-        return render(_lit_from(scene, direction), size).mean()
+        return render(lit_from(scene, direction), size).mean()
 
     direction = jax.numpy.array(scene.sun.direction, "float32")
     both, forward = jax.jit(jax.value_and_grad(brightness)), jax.jit(brightness)
@@ -111,10 +110,6 @@ def _gradient(size: tuple[int, int], runs: int) -> Iterator[Figure]:
         ("value and gradient for the sun / raytrace.render", "both", "render", 2.5),
     ]
     yield from _ratios(frames, runs, asked)
-
-
-def _lit_from(scene: Scene, direction: Any) -> Scene:
-    return replace(scene, sun=replace(scene.sun, direction=direction))
 
 
 def _skybox(size: tuple[int, int], runs: int) -> Iterator[Figure]:
