@@ -18,7 +18,7 @@ from raytrace.edges import pixels
 from raytrace.language.control import Engine, running
 from raytrace.language.tree import tree_map
 from raytrace.scene.to_uniforms import rounded
-from raytrace.shader.hit import Hit, Nearest
+from raytrace.shader.hit import CAMERA
 from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
@@ -27,6 +27,8 @@ __all__ = ["Masked", "Renderer", "drawn"]
 
 #: Sides of a tile, in pixels: its planes fit into the cache, and Python's own share of the time is small.
 TILE = 256
+#: So many terms of sums are computed at a time.
+TERMS = 1 << 16
 
 
 class Visible(NamedTuple):
@@ -53,7 +55,7 @@ class Masked(Engine):
         )
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
-        visible = self.primary if isinstance(start, Hit | Nearest) else self.shadow
+        visible = self.primary if isinstance(start, CAMERA) else self.shadow
         if visible is None or not isinstance(items, Sphere):
             return super().each(items, body, start, args, unroll)
         region = Region.of(visible.rays.coordinates(args[0], args[1], self.quadratic), np.True_)
@@ -79,6 +81,19 @@ class Masked(Engine):
             return plane.reshape(condition.shape)
 
         return tree_map(merged, then(*of(chosen)), other(*of(rest)))
+
+    def summed(self, number: Any, term: Callable, start: Any, args: tuple) -> Any:
+        total = tree_map(lambda plane: np.array(np.broadcast_to(plane, number.shape)), start)
+        number = number.reshape(-1)
+        ends = np.cumsum(number)
+        # The terms one after the other: a pixel's terms are added in order.
+        for first in range(0, int(ends[-1]), TERMS):
+            terms = np.arange(first, min(first + TERMS, int(ends[-1])))
+            pixels = np.searchsorted(ends, terms, side="right")
+            k = (terms - (ends - number)[pixels]).astype(number.dtype)
+            some = tree_map(lambda plane, at=pixels: plane.reshape(-1)[at] if np.ndim(plane) else plane, args)
+            tree_map(lambda plane, one, at=pixels: np.add.at(plane.reshape(-1), at, one), total, term(k, *some))
+        return total
 
 
 class Renderer:

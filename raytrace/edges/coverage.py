@@ -3,66 +3,31 @@
 An edge is where a clearance changes its sign, a jet: so it is known where the edge runs, to first order.
 """
 
-from math import pi
-from typing import NamedTuple
-
-from raytrace.language.glsl import Vec3, clamp, cross, dot, maximum, minimum, mix, select, smallest_divisor, sqrt
+from raytrace.language.glsl import Vec3, clamp, cross, dot, maximum, select, sqrt
 from raytrace.language.jet import Jet
-from raytrace.language.types import Bool, Float
+from raytrace.language.types import Float
 
-__all__ = ["disc_coverage", "half_plane_coverage", "interval_coverage", "positive_mean"]
+__all__ = ["disc_coverage", "interval_coverage", "positive_mean"]
 
-#: A clearance that changes along one of the pixel's axes only is taken to change so much along the other.
-LEAST = 2.0**-10
+#: An ellipse is small where its half axes' inverses, squared, are together larger than this: less than 3 squares.
+BENT = 2 / 9
+#: Chords are added up along so many lines: their places between the first and the last, and their weights, by Gauss and
+#: Legendre. The lines crowd where a chord may begin: t -> 3 t^2 - 2 t^3 takes the root's steepness away there.
+NODES = [(0.0694318442029737, 0.1739274225687269), (0.3300094782075719, 0.3260725774312731)]
+NODES += [(1 - node, weight) for node, weight in NODES]
+LINES = [(t * t * (3 - 2 * t), 6 * t * (1 - t) * weight) for t, weight in NODES]
+#: A disc that changes less than so much along a square's side, squared, is seen edge on.
+LEAST_SQUARED = 2.0**-20
 #: Pixels that are so many discs wide, or so many discs away, might as well be infinitely so.
 MOST = 2.0**10
 
 
-class _Edge(NamedTuple):
-    """An edge in a pixel, in widths of the pixel along the axis that it crosses more steeply.
-
-    steep: how much the clearance changes over that width. flat: the other axis's change as a share of it. distance:
-    from the edge to the pixel's centre; beyond 1 there is no edge in the pixel.
-    """
-
-    steep: Float
-    flat: Float
-    distance: Float
-
-    @classmethod
-    def of(cls, clearance: Jet) -> "_Edge":
-        x, y = abs(clearance.dx), abs(clearance.dy)
-        steep = maximum(maximum(x, y), smallest_divisor(x))
-        flat = maximum(minimum(x, y) / steep, LEAST)
-        return cls(steep, flat, clamp(clearance.value, -steep, steep) / steep)
-
-    @property
-    def corner(self) -> Float:
-        """How far the edge is from the far corner of the pixel; 0 where it is beyond."""
-        return maximum((1 + self.flat) / 2 - abs(self.distance), 0)
-
-    @property
-    def crosses(self) -> Bool:
-        """Whether it runs from side to side, and cuts off no corner."""
-        return abs(self.distance) <= (1 - self.flat) / 2
-
-
-def half_plane_coverage(clearance: Jet) -> Float:
-    """The share of a pixel where the clearance is positive, exact where it is linear.
-
-    The clearance over the pixel is distributed as the sum of two uniform numbers, a trapezoid, whose integral this is.
-    """
-    edge = _Edge.of(clearance)
-    cut_off = minimum(edge.corner * edge.corner / (2 * edge.flat), 1)
-    return select(edge.crosses, 0.5 + edge.distance, select(edge.distance > 0, 1 - cut_off, cut_off))
-
-
 def positive_mean(x: Jet) -> Float:
-    """The mean of max(x, 0) over a pixel, exact where x is linear: the integral of the coverage.
+    """Return the mean of max(x, 0) over a square, exact where x is linear: the integral of the share.
 
     It is half of x and of the mean of |x|.
     """
-    edge = _Edge.of(x)
+    edge = x.edge
     flat, corner = edge.flat, edge.corner
     crossing = edge.distance * edge.distance + flat * flat / 12 + 0.25
     size = select(edge.crosses, crossing, abs(edge.distance) + corner * corner * corner / (3 * flat))
@@ -70,34 +35,35 @@ def positive_mean(x: Jet) -> Float:
 
 
 def interval_coverage(x: Jet, low: float, high: float) -> Float:
-    """The share of a pixel where x is between `low` and `high`."""
-    return half_plane_coverage(x - low) - half_plane_coverage(x - high)
+    """Return the share of a square where x is between `low` and `high`."""
+    return (x - low).share - (x - high).share
 
 
 def disc_coverage(offset: Vec3, radius: Float) -> Float:
-    """The share of a pixel where the vector `offset`, of jets, is not longer than `radius`.
+    """Return the share of a square where the vector `offset`, of jets, is not longer than `radius`.
 
-    Both edges across its direction are taken to be straight. A disc smaller than a pixel is an upright rectangle as
-    large as the disc.
+    Seen in the square, the disc is an ellipse. Where that is large its edge is straight, but for what bends away of it;
+    else its chords are added up along so many lines.
     """
     offset = offset / radius
-    distance = sqrt(dot(offset, offset))
-    strip = half_plane_coverage(1 - distance) + half_plane_coverage(1 + distance) - 1
     here, x, y = (Vec3(*(clamp(getattr(component, name), -MOST, MOST) for component in offset)) for name in Jet._fields)
-    xx, xy, yy, across = dot(x, x), dot(x, y), dot(y, y), cross(x, y)
-    # The disc's pixels are pi / per_area; with so many it is no rectangle.
-    squared = maximum(dot(across, across), 0.01)
-    per_area = sqrt(squared)
-    area = pi / per_area
-    # Pixels from here to the disc's middle, and how far the disc reaches from there, along either axis.
+    xx, xy, yy, across = maximum(dot(x, x), LEAST_SQUARED), dot(x, y), dot(y, y), cross(x, y)
+    squared = maximum(dot(across, across), LEAST_SQUARED * xx)
+    # From the square's middle to the ellipse's, how far that reaches down, and half of its longest chord.
     on_x, on_y = dot(here, x), dot(here, y)
     middle_x, middle_y = (xy * on_y - yy * on_x) / squared, (xy * on_x - xx * on_y) / squared
-    reach_x, reach_y = (maximum(sqrt(square) / per_area, 1 / MOST) for square in (yy, xx))
-    scale = sqrt(area / (4 * reach_x * reach_y))
-    rectangle = _overlap(middle_x, reach_x * scale) * _overlap(middle_y, reach_y * scale)
-    return mix(rectangle, strip, clamp((area - 1) / 3, 0, 1))
+    reach, half = sqrt(xx / squared), 1 / sqrt(xx)
+    low, high = (clamp((side - middle_y) / reach, -1, 1) for side in (-0.5, 0.5))
+    chords = 0 * on_x
+    for place, weight in LINES:
+        line = low + (high - low) * place
+        chord, middle = half * sqrt(1 - line * line), middle_x - xy / xx * (reach * line)
+        chords = chords + weight * _overlap(middle, chord)
+    # What bends away of a straight edge is the mean of a parabola over it.
+    straight = (1 - (xx + yy) / 48 - sqrt(dot(offset, offset))).share
+    return clamp(select(xx + yy > BENT, chords * (high - low) * reach, straight), 0, 1)
 
 
 def _overlap(middle: Float, half: Float) -> Float:
-    """How much of the pixel's side, from -1/2 to 1/2, is within `half` of `middle`."""
+    """How much of the square's side, from -1/2 to 1/2, is within `half` of `middle`."""
     return clamp(middle + half, -0.5, 0.5) - clamp(middle - half, -0.5, 0.5)

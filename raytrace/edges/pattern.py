@@ -1,20 +1,17 @@
-"""The mean colour of the ground's pattern over a pixel."""
+"""The mean colour of the ground's pattern over a square."""
 
-from functools import partial
-
-from raytrace.edges.coverage import half_plane_coverage, interval_coverage
-from raytrace.language.control import each, rarely, step
+from raytrace.edges.coverage import interval_coverage
+from raytrace.language.control import each, step
 from raytrace.language.glsl import Vec2, Vec3, clamp, floor, isfinite, maximum, minimum, mod, select
 from raytrace.language.jet import Jet
-from raytrace.language.namespace import constant, namespace
+from raytrace.language.namespace import namespace
 from raytrace.language.types import Float
 
-__all__ = ["checkerboard_mean"]
+__all__ = ["STRIPS", "checkerboard_mean"]
 
-#: A pixel is cut into so many strips across the longer side of what it sees of the ground, and where that is long into
-#: more.
-STRIPS, FAR_STRIPS = 4, 32
-#: Near its horizon the ground is taken to be no farther than so much of the distance in the middle of the pixel.
+#: A square is cut into so many strips across the longer side of what it sees of the ground.
+STRIPS = 4
+#: Near its horizon the ground is taken to be no farther than so much of the distance in the middle of the square.
 NEAREST = 2.0**-6
 
 
@@ -22,52 +19,47 @@ NEAREST = 2.0**-6
 def checkerboard_mean(
     point: Vec3, t: Jet, converging: bool, tile_size: Float, even: Vec3, odd: Vec3, line: Vec3
 ) -> Vec3:
-    """The mean colour of the checkerboard over a pixel in which `point` is seen at `t`, both jets.
+    """Return the mean colour of the checkerboard over a square in which `point` is seen at `t`, both jets.
 
     The pattern is made of products of a function of x and one of z, whose means are taken one by one, in strips of the
-    pixel, as to look along the ground is to see long strips of it. Where rays are `converging` it is 1 / t and not t
-    that is linear in the pixel, and a point of the ground is a quotient by it.
+    square, as to look along the ground is to see long strips of it. Where rays are `converging` it is 1 / t and not t
+    that is linear in the square, and a point of the ground is a quotient by it.
     """
     p = point.xz / tile_size
     known = isfinite(p.x.value + p.y.value + p.x.spread + p.y.spread)
     p = Vec2(*(select(known, x, 0) for x in p))
     lengthwise = abs(p.x.dy) + abs(p.y.dy) >= abs(p.x.dx) + abs(p.y.dx)
     length, width = (Vec2(*(select(choice, x.dy, x.dx) for x in p)) for choice in (lengthwise, ~lengthwise))
-    nearing = select(lengthwise, t.dy, t.dx) / t.value if converging else constant(0, p.x.value)
 
-    def means(strips, p, length, width, nearing):
-        def add(means, k, place, p, length, width, nearing):
-            low, high = (
-                end / maximum(1 - end * nearing, NEAREST) for end in (place - 0.5 / strips, place + 0.5 / strips)
-            )
-            near = 1 / maximum(1 - place * nearing, NEAREST)
-            # From end to end, so that strips meet: what enters one leaves the next.
-            sides = zip(p, length, width, strict=True)
-            x, z = (
-                Jet(x.value + (low + high) / 2 * along, across * near, along * (high - low))
-                for x, along, across in sides
-            )
-            # Of a strip as long as a tile it is not known how x and z go together: it is grey.
-            contrast = clamp((0.5 - maximum(abs(x.dy), abs(z.dy))) / 0.4, 0, 1)
-            off_lines, stripes = means
-            line_x, line_z = (interval_coverage(x, -0.5, 0.5) for x in (x, z))
-            waves = (_square_wave_mean(x) - line_x) * (_square_wave_mean(z) - line_z)
-            return off_lines + (1 - line_x) * (1 - line_z) / strips, stripes + contrast * waves / strips
+    nearing = select(lengthwise, t.dy, t.dx) / t.value if converging else 0 * p.x.value
 
-        zero = constant(0, nearing)
-        places = namespace(zero).asarray([(k + 0.5) / strips - 0.5 for k in range(strips)], dtype=zero.dtype)
-        return each(places, add, (zero, zero), p, length, width, nearing, unroll=False)
+    def add(means, k, place, p, length, width, nearing):
+        low, high = (end / maximum(1 - end * nearing, NEAREST) for end in (place - 0.5 / STRIPS, place + 0.5 / STRIPS))
+        near = 1 / maximum(1 - place * nearing, NEAREST)
+        # From end to end, so that strips meet: what enters one leaves the next.
+        sides = zip(p, length, width, strict=True)
+        x, z = (
+            Jet(x.value + (low + high) / 2 * along, across * near, along * (high - low)) for x, along, across in sides
+        )
+        # Of a strip as long as a tile it is not known how x and z go together: it is grey.
+        contrast = clamp(2 - 2 * maximum(abs(x.dy), abs(z.dy)), 0, 1)
+        line_x, line_z = (interval_coverage(x, -0.5, 0.5) for x in (x, z))
+        plain, stripes = means
+        waves = contrast * (_square_wave_mean(x) - line_x) * (_square_wave_mean(z) - line_z)
+        return plain + (1 - line_x) * (1 - line_z) / STRIPS, stripes + waves / STRIPS
 
-    far = abs(length.x) + abs(length.y) > 0.1 * STRIPS
-    off_lines, stripes = rarely(far, partial(means, FAR_STRIPS), partial(means, STRIPS), p, length, width, nearing)
-    return line * (1 - off_lines) + (even + odd) * (0.5 * off_lines) + (even - odd) * (0.5 * stripes)
+    zero = 0 * p.x.value
+    places = namespace(zero).asarray([(k + 0.5) / STRIPS - 0.5 for k in range(STRIPS)], dtype=zero.dtype)
+    plain, stripes = each(places, add, (zero, zero), p, length, width, nearing, unroll=False)
+    stripes = clamp(stripes, -plain, plain)
+    return line * (1 - plain) + 0.5 * (even * (plain + stripes) + odd * (plain - stripes))
 
 
 def _square_wave_mean(x: Jet) -> Float:
     """The mean of 1 on even tiles and -1 on odd ones over a pixel."""
     # A pixel that is narrower than a tile sees one edge at most.
     left = floor(x.value)
-    edge = (1 - 2 * mod(left, 2)) * (1 - 2 * half_plane_coverage(x - (left + 0.5)))
+    edge = (1 - 2 * mod(left, 2)) * (1 - 2 * (x - (left + 0.5)).share)
     # Others: x is distributed as the sum of two uniform numbers, whose widths are these, so that the mean is a second
     # difference of the wave's second integral.
     one, other = abs(x.dx), abs(x.dy)

@@ -1,12 +1,15 @@
 """Pixels at points, or as means over their squares: which of them, a program says."""
 
-from raytrace.edges.layers import mean_color
-from raytrace.language.glsl import Vec2
-from raytrace.language.jet import Jet
+from raytrace.edges.layers import camera_ray, mean_color
+from raytrace.edges.squares import cuts
+from raytrace.language.control import detach, summed
+from raytrace.language.glsl import Vec2, Vec3, select
+from raytrace.language.jet import Jet, values
 from raytrace.language.namespace import constant
+from raytrace.language.tree import tree_map
 from raytrace.language.types import Float
 from raytrace.shader import pixel
-from raytrace.shader.main import Steps
+from raytrace.shader.main import Steps, main
 from raytrace.shader.pixel import Frame, mean_of_samples, sample_ndc
 from raytrace.shader.uniforms import Program, Uniforms
 
@@ -26,9 +29,31 @@ def pixels(
     def sample(offset, column, row):
         # A pixel is one thing there, and not the crossing of a column and a row.
         column, row = column + 0 * row, row + 0 * column
-        return mean_color(uniforms, program, sample_ndc(square(offset), column, row, frame))
+        return mean_of_square(uniforms, program, sample_ndc(square(offset), column, row, frame))
 
     return mean_of_samples(sample, uniforms, program, column, row, frame, keep)
+
+
+def mean_of_square(uniforms: Uniforms, program: Program, ndc: Vec2) -> Vec3:
+    """Return the mean of the linear image over the squares around `ndc`, of jets.
+
+    Where no edge runs through a square that is its middle's colour; others are cut into smaller ones.
+    """
+    fields = ("t", "index", "hitPoint", "N", "linear")
+    seen = main(uniforms, program, values(ndc), fields)
+    # How a pixel is cut has no derivative.
+    fixed, around, middle = tree_map(detach, (uniforms, camera_ray(uniforms, program, ndc), seen))
+    cut = cuts(fixed, program, *around, middle)
+
+    def part(k, cut, ndc):
+        place, size = cut.square(k)
+        moved = (x + (x.dx * place.x + x.dy * place.y) for x in ndc)
+        smaller = Vec2(*(Jet(x.value, x.dx * size.x, x.dy * size.y) for x in moved))
+        return mean_color(uniforms, program, smaller) * (size.x * size.y)
+
+    zero = constant(0, ndc.x.value)
+    color = select(cut.rows > 0, Vec3(zero, zero, zero), seen.linear)
+    return summed(cut.columns * cut.rows, part, color, cut, ndc)
 
 
 def square(center: Vec2) -> Vec2:

@@ -6,6 +6,7 @@
 | ``branch(c, a, b, ...)`` | ``if / else``|
 | ``each(items, ...)``     | ``for``      |
 | ``at(items, index)``     | ``items[i]`` |
+| ``summed(n, f, a, ...)`` | ``for (k = 0; k < n; k++) a += f(k, ...)`` |
 
 The shader says what depends on what; an engine decides what is computed where: every pixel, only those
 concerned, or nothing at all for a block of pixels that does not need it. `Engine` itself is the plainest one
@@ -23,7 +24,7 @@ from raytrace.language.engine import Engine, engine, running
 from raytrace.language.tree import Numbers, count
 from raytrace.language.types import Array
 
-__all__ = ["Engine", "Numbers", "at", "branch", "count", "detach", "each", "rarely", "running", "step"]
+__all__ = ["Engine", "Numbers", "at", "branch", "count", "detach", "each", "running", "step", "summed"]
 
 
 def step(function: Callable) -> Callable:
@@ -45,11 +46,6 @@ def branch(condition: Array, then: Callable, other: Callable, *args: Any) -> Any
     return engine().branch(condition, then, other, args)
 
 
-def rarely(condition: Array, then: Callable, other: Callable, *args: Any) -> Any:
-    """`branch`, where few pixels take the first side, which is large, and the other is a trifle."""
-    return engine().rarely(condition, then, other, args)
-
-
 def each(items: Any, body: Callable, start: Any, *args: Any, unroll: bool = True) -> Any:
     """``for`` over `items`, a structure of arrays of shape (n,): ``state = body(state, i, item, *args)``.
 
@@ -58,6 +54,14 @@ def each(items: Any, body: Callable, start: Any, *args: Any, unroll: bool = True
     each item; without, the body is too large for that.
     """
     return engine().each(items, body, start, args, unroll)
+
+
+def summed(number: Array, term: Callable, start: Any, *args: Any) -> Any:
+    """`start` and the sum of ``term(k, *args)`` for the whole numbers k below `number`, a plane: few pixels have any.
+
+    start: a plane or a structure of planes, as a term is. k: a plane of whole numbers.
+    """
+    return engine().summed(number, term, start, args)
 
 
 def at(items: Any, index: Array) -> Any:

@@ -22,8 +22,13 @@ class Engine:
     def branch(self, condition: Array, then: Callable, other: Callable, args: tuple) -> Any:
         return select(condition, then(*args), other(*args))
 
-    def rarely(self, condition: Array, then: Callable, other: Callable, args: tuple) -> Any:
-        return self.branch(condition, then, other, args)
+    def summed(self, number: Array, term: Callable, start: Any, args: tuple) -> Any:
+        xp = namespace(number)
+        total = start
+        for k in range(int(xp.max(number))):
+            one = term(xp.full_like(number, k), *args)
+            total = tree_map(lambda total, one, k=k: select(number > k, total + one, total), total, one)
+        return total
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
         state = start

@@ -248,6 +248,9 @@ def sqrt(x: Array) -> Array:
     The derivative at 0 is infinite and is defined as 0 here: the root is taken of a number that is never below
     the smallest normal one, so no derivative is infinite and none is lost where `x` is positive and normal.
     """
+    own = _own("root", x)
+    if own is not None:
+        return own(x)
     if not namespace(x).finfo(x.dtype).smallest_normal:
         return namespace(x).sqrt(maximum(x, 0))  # an arithmetic without limits; it has no derivatives
     tiny = smallest_normal(x)

@@ -1,7 +1,7 @@
 """Jets: planes that know how they change from one pixel to the next.
 
 A jet is an array for the shader's text like any other. Its derivatives follow the rules of calculus, but for the square
-root (`_Namespace.sqrt`). Comparisons compare the values.
+root (`_Namespace.root`). Comparisons compare the values.
 """
 
 from collections.abc import Callable
@@ -11,7 +11,10 @@ from typing import Any, NamedTuple
 from raytrace.language.namespace import lift, namespace
 from raytrace.language.types import Array, Bool
 
-__all__ = ["Jet", "jet", "value", "values"]
+__all__ = ["Edge", "Jet", "jet", "value", "values"]
+
+#: The least that a jet changes along one axis of a pixel, as a part of that along the other.
+LEAST = 2.0**-10
 
 
 def _beside_vectors(operation: Callable) -> Callable:
@@ -55,6 +58,28 @@ class Jet(NamedTuple):
     def spread(self) -> Array:
         """By how much it changes over a pixel, at most: |dx| + |dy|."""
         return abs(self.dx) + abs(self.dy)
+
+    @property
+    def edge(self) -> "Edge":
+        """Where it changes its sign."""
+        xp, one = namespace(self.value), lift(1, self.value)
+        x, y = abs(self.dx), abs(self.dy)
+        # As small as may be divided by: a quotient's derivative has it squared.
+        smallest = 2 * xp.sqrt(xp.finfo(self.dtype).smallest_normal * one)
+        steep = xp.maximum(xp.maximum(x, y), smallest)
+        flat = xp.maximum(xp.minimum(x, y) / steep, LEAST * one)
+        return Edge(steep, flat, xp.minimum(xp.maximum(self.value, -steep), steep) / steep)
+
+    @property
+    def share(self) -> Array:
+        """The share of a pixel where it is positive, exact where it is linear.
+
+        Over the pixel it is distributed as the sum of two uniform numbers, a trapezoid, whose integral this is.
+        """
+        xp, edge = namespace(self.value), self.edge
+        cut_off = xp.minimum(edge.corner * edge.corner / (2 * edge.flat), lift(1, edge.flat))
+        beside = xp.where(edge.distance > 0, 1 - cut_off, cut_off)
+        return xp.where(edge.crosses, 0.5 + edge.distance, beside)
 
     def __neg__(self) -> "Jet":
         return Jet(-self.value, -self.dx, -self.dy)
@@ -116,6 +141,29 @@ class Jet(NamedTuple):
         return self.value != value(other)
 
 
+class Edge(NamedTuple):
+    """An edge in a pixel, in widths of the pixel along the axis that it crosses more steeply.
+
+    steep: how much the jet changes over that width. flat: the other axis's change as a share of it. distance: from the
+    edge to the pixel's centre; beyond 1 there is no edge in the pixel.
+    """
+
+    steep: Array
+    flat: Array
+    distance: Array
+
+    @property
+    def corner(self) -> Array:
+        """How far the edge is from the far corner of the pixel; 0 where it is beyond."""
+        left = (1 + self.flat) / 2 - abs(self.distance)
+        return namespace(left).maximum(left, lift(0, left))
+
+    @property
+    def crosses(self) -> Bool:
+        """Whether it runs from side to side, and cuts off no corner."""
+        return abs(self.distance) <= (1 - self.flat) / 2
+
+
 def jet(x: Any) -> Jet:
     """A plane as a jet that does not change; a jet as it is."""
     return x if isinstance(x, Jet) else Jet(x, *(lift(0, x),) * 2)
@@ -139,6 +187,10 @@ class _Namespace:
 
     def __init__(self, base: Any):
         self.base = base
+
+    @property
+    def built_ins(self) -> "_Namespace":
+        return self
 
     def finfo(self, dtype: Any) -> Any:
         return self.base.finfo(dtype)
@@ -165,12 +217,20 @@ class _Namespace:
         either = self.where(a.value == of(a.value, value(b)), a, b)
         return Jet(of(a.value, value(b)), either.dx, either.dy)
 
-    def sqrt(self, x: Jet) -> Jet:
-        """The root; within half a pixel of 0 its slope is not the tangent's, which is infinite there.
+    def root(self, x: Jet) -> Jet:
+        """Return the mean of the root over that part of the pixel where `x` is positive.
 
-        It is then the slope between there and 0, so that a pixel at a sphere's silhouette does not seem to reach
-        infinitely far.
+        So it has a derivative where `x` is 0 in the pixel, as at a sphere's silhouette. If x grows evenly in that part
+        from b^2 to a^2, the mean is 2/3 (a^3 - b^3) / (a^2 - b^2). Its slopes are those at its steepest.
         """
-        root = self.base.sqrt(x.value)
-        half = self.base.sqrt(self.base.maximum(x.value, x.spread / 2))
-        return Jet(root, x.dx / (2 * half), x.dy / (2 * half))
+        half = x.spread / 2
+        most = self.base.maximum(x.value + half, lift(0, half))
+        least = self.base.maximum(most - x.spread * x.share, lift(0, half))
+        a, b = self._root(most), self._root(least)
+        ends = self.base.where(most > 0, a + b, lift(1, a))
+        slope = self.base.where(most > 0, 2 * a, lift(1, a))
+        return Jet((a + least / ends) * 2 / 3, x.dx / slope, x.dy / slope)
+
+    def _root(self, x: Array) -> Array:
+        positive = x > 0
+        return self.base.where(positive, self.base.sqrt(self.base.where(positive, x, lift(1, x))), lift(0, x))

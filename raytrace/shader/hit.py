@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from raytrace.language.types import Float, Int
 
-__all__ = ["Darkest", "Hit", "Nearest"]
+__all__ = ["CAMERA", "Darkest", "Hit", "Nearest", "ShadowEdges", "Silhouettes"]
 
 
 class Hit(NamedTuple):
@@ -14,18 +14,34 @@ class Hit(NamedTuple):
     index: Int
 
 
-class _Best(NamedTuple):
-    merit: tuple[Float, ...]
+class Nearest(NamedTuple):
+    """The nearest few surfaces so far, nearest first: 1 / t (0: none) and whose each is (-1: nobody's)."""
+
+    approach: tuple[Float, ...]
     index: tuple[Int, ...]
 
 
-class Nearest(_Best):
-    """The nearest few surfaces so far, nearest first: 1 / t (0: none) and whose each is (-1: nobody's)."""
+class Silhouettes(NamedTuple):
+    """Edges of spheres in a pixel so far: how many, and the smallest sphere's radius and middle, in pixels."""
 
-    __slots__ = ()
+    number: Int
+    size: Float
+    x: Float
+    y: Float
 
 
-class Darkest(_Best):
-    """What hides most of the sun so far: the share that it hides (0: none) and whose it is (-1: nobody's)."""
+class ShadowEdges(NamedTuple):
+    """How many edges spheres' shadows have in a pixel so far."""
 
-    __slots__ = ()
+    number: Int
+
+
+class Darkest(NamedTuple):
+    """What hides most of the sun so far: about what share it hides (0: none) and whose it is (-1: nobody's)."""
+
+    share: tuple[Float, ...]
+    index: tuple[Int, ...]
+
+
+#: What a search along the camera's rays carries; others search along the sun's.
+CAMERA = (Hit, Nearest, Silhouettes)

@@ -51,6 +51,14 @@ class OneProgram(Engine):
             return state
         return self.winner(items, body, start, state.index, args)
 
+    def summed(self, number: jax.Array, term: Callable, start: Any, args: tuple) -> Any:
+        def turn(k: jax.Array, total: Any) -> Any:
+            one = term(jnp.full_like(number, k), *args)
+            return jax.tree.map(lambda total, one: select(number > k, total + one, total), total, one)
+
+        shape = jax.eval_shape(lambda start: turn(jnp.int32(0), start), start)
+        return lax.fori_loop(0, jnp.max(number), turn, shaped(start, shape))
+
     def winner(self, items: Any, body: Callable, start: Any, index: jax.Array, args: tuple) -> Any:
         """What the one item that was hit makes of `start`: equal to the loop's result, and differentiable."""
         return select(index >= 0, body(start, index, self.at(items, index), *args), start)

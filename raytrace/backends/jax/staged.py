@@ -21,7 +21,7 @@ from raytrace.backends.jax.grid import Grid, candidates, grid
 from raytrace.backends.jax.traced import traced
 from raytrace.language.control import count
 from raytrace.language.glsl import select
-from raytrace.shader.hit import Hit, Nearest
+from raytrace.shader.hit import CAMERA, Hit
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
 __all__ = ["SEARCHED", "Culling", "Loop", "Staged", "Visible", "culling"]
@@ -29,7 +29,7 @@ __all__ = ["SEARCHED", "Culling", "Loop", "Staged", "Visible", "culling"]
 #: With more spheres than this the small ones are in grids. A block's own rays see fewer spheres than lie between the
 #: surfaces that it sees and the sun, so that a list of them all does for longer.
 MANY_FOR_PRIMARY, MANY_FOR_SHADOW = 2048, 256
-#: Where few pixels take a branch, so many parts of a block's are computed one after the other, as many as are needed.
+#: Of sums that few pixels have, so many terms are computed at a time: a block's pixels by this.
 PARTS = 8
 #: The name of what a search found, which is kept for reverse mode: nothing is searched again.
 SEARCHED = "searched"
@@ -127,37 +127,34 @@ class Block(Attentive):
 
         return computed_if(self.always, *traced(kernel, *planes), planes)
 
-    def rarely(self, condition: jax.Array, then: Callable, other: Callable, args: tuple) -> Any:
-        n, active = condition.size, self.active
-        size = -(-n // PARTS)
-        taken = condition if active is None else condition & active
-        total = jnp.sum(taken, dtype=jnp.int32)
-        # The pixels concerned, one after the other, and then none.
-        places = jnp.where(taken, jnp.cumsum(taken, dtype=jnp.int32) - 1, PARTS * size)
-        pixels = jnp.full(PARTS * size, n, jnp.int32).at[places].set(jnp.arange(n, dtype=jnp.int32), mode="drop")
+    def summed(self, number: jax.Array, term: Callable, start: Any, args: tuple) -> Any:
+        if self.active is not None:
+            number = jnp.where(self.active, number, 0)
+        n, size = number.size, -(-number.size // PARTS)
+        # The terms one after the other, so many of them at a time.
+        ends = jnp.cumsum(number, dtype=jnp.int32)
+        begins, total = ends - number, ends[-1]
 
-        def of_part(indices: jax.Array, args: tuple) -> Any:
-            some = jax.tree.map(lambda plane: plane.at[indices].get(mode="clip") if jnp.ndim(plane) else plane, args)
-            with self.only(indices < n):
-                parts = then(*some)
-            return jax.tree.map(lambda plane: jnp.broadcast_to(plane, (size,)), parts)
+        def of_part(terms: jax.Array, args: tuple) -> Any:
+            pixels = jnp.searchsorted(ends, terms, side="right").astype(jnp.int32)
+            k = terms - begins.at[pixels].get(mode="clip")
+            some = jax.tree.map(lambda plane: plane.at[pixels].get(mode="clip") if jnp.ndim(plane) else plane, args)
+            with self.only(terms < total):
+                found = term(k, *some)
+            return pixels, jax.tree.map(lambda plane: jnp.broadcast_to(plane, (size,)), found)
 
-        of_part, shapes = traced(of_part, pixels[:size], args)
-        image = jax.tree.map(lambda plane, shape: jnp.broadcast_to(plane, (n,)), other(*args), shapes)
+        within = jnp.arange(size, dtype=jnp.int32)
+        of_part, (_, shapes) = traced(of_part, within, args)
+        image = jax.tree.map(lambda plane, _: jnp.broadcast_to(plane, (n,)), start, shapes)
 
-        def with_part(k: jax.Array, image: Any) -> Any:
-            indices = lax.dynamic_slice(pixels, (k * size,), (size,))
+        def with_part(part: jax.Array, image: Any) -> Any:
+            pixels, found = of_part(part * size + within, args)
+            return jax.tree.map(lambda whole, part: whole.at[pixels].add(part, mode="drop"), image, found)
 
-            def placed(image: Any) -> Any:
-                parts = of_part(indices, args)
-                return jax.tree.map(lambda whole, part: whole.at[indices].set(part, mode="drop"), image, parts)
-
-            return lax.cond((k * size < total) | self.everything, placed, lambda image: image, image)
-
-        return lax.fori_loop(0, PARTS, with_part, image)
+        return lax.fori_loop(0, -(-total // size), with_part, image)
 
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
-        visible = self.culling.primary if isinstance(start, Hit | Nearest) else self.culling.shadow
+        visible = self.culling.primary if isinstance(start, CAMERA) else self.culling.shadow
         if not isinstance(items, Sphere) or visible is None:
             return super().each(items, body, start, args, unroll)
         loop_items, loop_args = lax.stop_gradient((items, args))
