@@ -34,16 +34,25 @@ from raytrace.studies.differences import block_sums
 __all__ = ["Reference", "reference"]
 
 #: Points that are computed at once: their planes fit into the cache, and they lie near to each other.
-CHUNK = 1 << 14
+CHUNK = 1 << 15
 #: Sides of the squares in whose order pixels are computed.
 NEAR = 16
 #: Points along a side of a pixel by which it is judged whether there is an edge in it.
 FIRST = 4
-#: Steps of a bisection: from a pixel's part to 1e-9 pixels, and from a bracket to 1e-5 of it.
-ROUNDS, FEW = 28, 17
+#: Steps of a bisection: from a pixel's part to 3e-8 pixels; and from a bracket to 1e-3 of it, which is enough for velocities,
+#: as there are very many.
+ROUNDS, FEW = 22, 12
+#: An edge that stays within so many pixels does not move.
+STILL = 1e-6
 #: Edges between two neighbouring points that are told apart. More edges of a pattern, as near a horizon, are taken to move
 #: alike: then all but the colours at the two ends cancels.
-MOST = 4
+MOST = 2
+#: In this distance, in pixels, crowds on a scanline move alike.
+NEARBY = 0.5
+#: From this share on an edge is crossed steeply.
+STEEP = 0.5
+#: Edges of all kinds are looked for so often; each time one is found in what is left.
+TURNS = 4
 #: Bits of a label that number a pattern's tiles.
 TILES = 40
 #: Half the width of the bracket in which a moved edge is looked for, in pixels, and how far to move a scanline to learn
@@ -56,6 +65,8 @@ MOVE, CHANGE = 0.01, 1e-5
 SMALLER, TRIES = 8, 3
 #: Edges of a smaller jump are kinks: a sphere's terminator is one.
 LEAST_JUMP = 1e-9
+#: Of so many scanlines one is asked how colours change.
+FEWER = 4
 #: No colour changes that much by so small a step, but where an edge has passed.
 LARGEST_CHANGE = 1e-2
 #: A sphere has so many scanlines across its radius, at most so many in a pixel.
@@ -173,7 +184,7 @@ class _Edges(NamedTuple):
     """Where scanlines cross edges, arrays (k,), in their order.
 
     scanline: the number of the scanline. at: where on it, in pixels. before, after: the labels on both sides. kind: how
-    many bits of the labels do not matter. jump: the colour before less the colour after, (k, 3). share: n_x**2 or n_y**2, whichever is the scanlines'.
+    many bits of the labels do not matter. jump: the colour before less the colour after, (k, 3). share: n_x**2 or n_y**2, whichever is the scanlines'. like: the number of the edge whose share and velocity are taken.
     """
 
     scanline: np.ndarray
@@ -183,6 +194,7 @@ class _Edges(NamedTuple):
     kind: np.ndarray
     jump: np.ndarray
     share: np.ndarray
+    like: np.ndarray
 
 
 class _Bracket(NamedTuple):
@@ -219,8 +231,8 @@ class _Scanlines:
             scanline, at[scanline, left], at[scanline, left + 1], labels[scanline, left], labels[scanline, left + 1]
         )
         none = np.empty(0, np.int64)
-        found = [_Edges(none, np.empty(0), none, none, none, np.empty((0, 3)), np.empty(0))]
-        for turn in range(MOST):
+        found = [_Edges(none, np.empty(0), none, none, none, np.empty((0, 3)), np.empty(0), none)]
+        for turn in range(TURNS):
             if not len(rest.scanline):
                 break
             # First the edge of a surface or a shadow: of a pattern that is far away there may be very many beside it.
@@ -234,11 +246,12 @@ class _Scanlines:
                 low, high = np.where(same, middle, low), np.where(same, high, middle)
             last, inner = here.colors(*self.points(low, beside))
             first, outer = here.colors(*self.points(high, beside))
-            crowd = ~coarse & ((_tiles_between(before, after) > MOST) | (turn == MOST - 1))
+            crowd = ~coarse & ((_tiles_between(before, after) > MOST) | (turn == TURNS - 1))
             ends = [here.colors(*self.points(at[crowd], beside[crowd]))[1] for at in (rest.low, rest.high)]
             jump = inner - outer
             jump[crowd] = ends[0] - ends[1]
-            found.append(_Edges(scanline, (low + high) / 2, last, first, kind, jump, np.ones(len(low))))
+            # What is of a crowd is marked for a while.
+            found.append(_Edges(scanline, (low + high) / 2, last, first, kind, jump, np.ones(len(low)), -1 * crowd))
             parts = [
                 _Bracket(scanline, rest.low, low, before, last).some((before != last) & ~crowd),
                 _Bracket(scanline, high, rest.high, first, after).some((first != after) & ~crowd),
@@ -247,9 +260,28 @@ class _Scanlines:
         edges = _Edges(*map(np.concatenate, zip(*found, strict=True)))
         order = np.lexsort([edges.at, edges.scanline])
         self.edges = _Edges(*(array[order] for array in edges))
+        crowd, own = self.edges.like < 0, np.arange(len(order))
+        self.edges = self.edges._replace(like=own)
         slope = self.velocities(here, here, ASIDE, aside=True)
+        like = np.where(crowd & np.isnan(slope), self._near(np.isnan(slope)), own)
         # An edge that runs along the scanline, as far as can be seen, is left to the scanlines of the other direction.
-        self.edges = self.edges._replace(share=np.where(np.isnan(slope), 0, 1 / (1 + np.nan_to_num(slope) ** 2)))
+        share = np.where(np.isnan(slope), 0, 1 / (1 + np.nan_to_num(slope) ** 2))
+        self.edges = self.edges._replace(share=share[like], like=like)
+
+    def _near(self, unknown: np.ndarray) -> np.ndarray:
+        """Return for each edge the number of the nearest one on its scanline that is known; its own if none is near."""
+        edges, own = self.edges, np.arange(len(unknown))
+        known = np.flatnonzero(~unknown & (edges.kind == 0))
+        if not len(known):
+            return own
+        best, closest = own, np.full(len(own), NEARBY)
+        after = np.searchsorted(known, own)
+        for side in (after - 1, after):
+            candidate = known[np.clip(side, 0, len(known) - 1)]
+            away = np.abs(edges.at[candidate] - edges.at)
+            better = (edges.scanline[candidate] == edges.scanline) & (away < closest)
+            best, closest = np.where(better, candidate, best), np.where(better, away, closest)
+        return best
 
     def velocities(self, ahead: Any, back: Any, step: float, aside: bool = False) -> np.ndarray:
         """Return how far each edge moves along its scanline, for a number that changes by 1; NaN where not found.
@@ -259,30 +291,48 @@ class _Scanlines:
         """
         edges = self.edges
         result = np.full(len(edges.at), np.nan)
-        sharp = np.abs(edges.jump).max(-1, initial=0) > LEAST_JUMP
-        left = np.flatnonzero(sharp)
+        # A crowd's ends may have one colour; another may yet be taken to move as it does.
+        left = np.flatnonzero((np.abs(edges.jump).max(-1, initial=0) > LEAST_JUMP) | (edges.kind == 0))
         bracket = BRACKET
         for _ in range(TRIES):
             if not len(left):
                 break
             at, kind = edges.at[left], edges.kind[left]
             before, after = edges.before[left] >> kind, edges.after[left] >> kind
-            beside, places = self.beside[edges.scanline[left]], []
-            for sign, side in ((1, ahead), (-1, back)):
-                points = side if aside else side(step)
-                moved = beside + sign * step if aside else beside
-                places.append(self._moved(points, at, moved, before, after, kind, bracket))
-            result[left] = (places[0] - places[1]) / (2 * step)
+            beside = self.beside[edges.scanline[left]]
+            sides = [
+                (side, beside + sign * step) if aside else (side(step), beside)
+                for sign, side in ((1, ahead), (-1, back))
+            ]
+            moves = np.ones(len(left), bool)
+            if bracket == BRACKET:
+                still = [self._between(*side, at - STILL, at + STILL, before, after, kind) for side in sides]
+                moves = ~(still[0] & still[1])
+                result[left[~moves]] = 0
+            args = [array[moves] for array in (at, before, after, kind)]
+            places = [self._moved(points, beside[moves], *args, bracket) for points, beside in sides]
+            result[left[moves]] = (places[0] - places[1]) / (2 * step)
             left = left[np.isnan(result[left])]
             bracket, step = bracket / SMALLER, step / SMALLER**2
-        return result
+        result = result[edges.like]
+        if aside:
+            return result
+        # Near a horizon crowds are too dense for that.
+        lacking = np.isnan(result) & (edges.kind == 0) & (edges.share > STEEP)
+        return np.where(lacking, result[self._near(np.isnan(result) | (edges.share <= STEEP))], result)
 
-    def _moved(self, points, at, beside, before, after, kind, bracket) -> np.ndarray:
-        """Return where the edges are that were `at`; NaN where they are not in the bracket, or not alone."""
-        low, high = at - bracket, at + bracket
-        fits = (points.labels(*self.points(low, beside)) >> kind == before) & (
+    def _between(self, points, beside, low, high, before, after, kind) -> np.ndarray:
+        """Whether what is between `low` and `high` is that edge and no other, as far as their labels say."""
+        return (points.labels(*self.points(low, beside)) >> kind == before) & (
             points.labels(*self.points(high, beside)) >> kind == after
         )
+
+    def _moved(self, points, beside, at, before, after, kind, bracket) -> np.ndarray:
+        """Return where the edges are that were `at`; NaN where they are not in the bracket, or not alone."""
+        # Else neighbours that move alike would all be rounded alike.
+        uneven = bracket * (1 + 0.3 * np.random.default_rng(0).uniform(-1, 1, (2, len(at))))
+        low, high = at - uneven[0], at + uneven[1]
+        fits = self._between(points, beside, low, high, before, after, kind)
         result = np.full(len(at), np.nan)
         low, high, beside, before, kind = low[fits], high[fits], beside[fits], before[fits], kind[fits]
         for _ in range(FEW):
@@ -292,11 +342,11 @@ class _Scanlines:
         result[fits] = (low + high) / 2
         return result
 
-    def pieces(self, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    def pieces(self, chosen: np.ndarray) -> tuple[np.ndarray, ...]:
         """Return points that integrate over the pieces between edges of the chosen pixels' scanlines.
 
         chosen: whether a pixel is, by its number. Gives the pixel's number (k,), the points' two coordinates and their
-        weights, (k, m).
+        weights, (k, m); and (k,) by how much those weights are to be multiplied if few scanlines are to stand for all.
         """
         lines = np.flatnonzero(chosen[self.pixel])
         inside = chosen[self.pixel[self.edges.scanline]]
@@ -311,7 +361,8 @@ class _Scanlines:
         at = low[:, None] + length[:, None] * CROWDED
         beside = np.broadcast_to(self.beside[owner, None], at.shape)
         weights = length[:, None] * WEIGHTS * self.weight[owner, None]
-        return self.pixel[owner], *self.points(at, beside), weights
+        few = np.where((owner + self.pixel[owner]) % FEWER == 0, FEWER, 0)
+        return self.pixel[owner], *self.points(at, beside), weights, few
 
 
 class _Scanned:
@@ -335,14 +386,18 @@ class _Scanned:
         plain = order[~edged[order]]
         v, u = (np.array(corner) for corner in np.meshgrid(GAUSS, GAUSS))
         x, y = column[plain, None] + u.ravel(), row[plain, None] + v.ravel()
-        smooth = [(plain, x, y, np.full(x.shape, 1 / 4))]
+        smooth = [(plain, x, y, np.full(x.shape, 1 / 4), np.ones(len(plain)))]
         for level, upright, steep in self.sets:
             smooth += [level.pieces(steep), upright.pieces(~steep)]
-        self.smooth = [np.concatenate([np.repeat(pixel, x.shape[1]) for pixel, x, _, _ in smooth])]
+        self.smooth = [np.concatenate([np.repeat(part[0], part[1].shape[1]) for part in smooth])]
         self.smooth += [np.concatenate([part[i].ravel() for part in smooth]) for i in (1, 2, 3)]
         pixel, x, y, weight = self.smooth
-        self.labels, color = self.here.colors(x, y)
+        labels, color = self.here.colors(x, y)
         self.mean = self._sums(pixel, weight[:, None] * color)
+        # How colours change is asked of fewer points: only those of the pixels without edges count in full.
+        some = np.concatenate([np.repeat(part[4], part[1].shape[1]) for part in smooth])
+        self.smooth = [array[some > 0] for array in (pixel, x, y, weight * some)]
+        self.labels = labels[some > 0]
         self.slopes, self.lost = {}, {}
         for name, (moved, step) in parameters.items():
 
