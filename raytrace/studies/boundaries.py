@@ -70,7 +70,7 @@ FEWER = 4
 #: No colour changes that much by so small a step, but where an edge has passed.
 LARGEST_CHANGE = 1e-2
 #: A sphere has so many scanlines across its radius, at most so many in a pixel.
-ACROSS, MOST_SCANLINES = 8, 512
+ACROSS, MOST_SCANLINES = 32, 512
 #: Where the two sets of scanlines lie, in parts of the distance between them: a golden section apart.
 PLACES = (0.25, 0.25 + 0.6180339887498949 - 0.5), (0.25 + 0.6180339887498949, 0.25)
 
