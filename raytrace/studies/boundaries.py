@@ -1,18 +1,20 @@
 """The derivative of an image by boundary integrals: what others are held against.
 
-The mean of the linear colour f over a pixel has two reasons to change with a number p of the scene: f itself changes, and
-the edges between its smooth parts move. So
+The mean of the linear colour f over a pixel has two reasons to change with a number p of the scene: f itself changes,
+and the edges between its smooth parts move. So
 
     d mean / dp = integral of df/dp over the smooth parts + integral along the edges of jump * normal velocity
 
-Both are taken along scanlines through each pixel, level and upright ones. Every point has a label: which surface, lit or
-dark, which tile of a pattern. Where the label changes there is an edge, found by bisection; its velocity is found by
-bisection at p + h and p - h. The shader is asked as it is, for points: nothing here knows what a sphere is.
+Both are taken along scanlines through each pixel, level and upright ones. Every point has a label: which surface, lit
+or dark, which tile of a pattern. Where the label changes there is an edge, found by bisection; its velocity is found by
+bisection at p + h and p - h. The shader is asked as it is, for points: no edge is derived from a sphere's or a plane's
+equation.
 
-A scanline sees an edge well that it crosses steeply. Of an edge of unit normal n the level scanlines have the share n_x**2
-and the upright ones n_y**2: so neither is asked about an edge along which it runs.
+A scanline sees an edge well that it crosses steeply. Of an edge of unit normal n the level scanlines have the share
+n_x**2 and the upright ones n_y**2: so neither is asked about an edge along which it runs.
 
-All is done twice, with scanlines in other places: the mean is the result, half the difference its error.
+The display image's derivative is that of the film at the mean, along the mean's derivative. All is done twice, with
+scanlines in other places: the mean of both is the result, half the difference its error.
 """
 
 from collections.abc import Callable, Mapping
@@ -39,13 +41,13 @@ CHUNK = 1 << 15
 NEAR = 16
 #: Points along a side of a pixel by which it is judged whether there is an edge in it.
 FIRST = 4
-#: Steps of a bisection: from a pixel's part to 3e-8 pixels; and from a bracket to 1e-3 of it, which is enough for velocities,
-#: as there are very many.
+#: Steps of a bisection: from a pixel's part to some 1e-8 pixels; and from a bracket to 1e-3 of it, which is enough for
+#: velocities, as there are very many.
 ROUNDS, FEW = 22, 12
 #: An edge that stays within so many pixels does not move.
 STILL = 1e-6
-#: Edges between two neighbouring points that are told apart. More edges of a pattern, as near a horizon, are taken to move
-#: alike: then all but the colours at the two ends cancels.
+#: Edges of a pattern between two neighbouring points that are told apart. More, as near a horizon, are a crowd, and are
+#: taken to move alike: then all but the colours at the two ends cancels.
 MOST = 2
 #: In this distance, in pixels, crowds on a scanline move alike.
 NEARBY = 0.5
@@ -71,8 +73,9 @@ FEWER = 4
 LARGEST_CHANGE = 1e-2
 #: A sphere has so many scanlines across its radius, at most so many in a pixel.
 ACROSS, MOST_SCANLINES = 32, 512
-#: Where the two sets of scanlines lie, in parts of the distance between them: a golden section apart.
-PLACES = (0.25, 0.25 + 0.6180339887498949 - 0.5), (0.25 + 0.6180339887498949, 0.25)
+#: Where the level and the upright scanlines of the two sets lie, in parts of the distance between them.
+GOLDEN = 0.6180339887498949
+PLACES = (0.25, GOLDEN - 0.25), (0.25 + GOLDEN, 0.25)
 
 #: Points and weights to integrate over (0, 1). They crowd at both ends, so that what grows like x**(-3/4) there does no
 #: harm, which is how the sky's colour changes at the horizon: x = 35 u**4 - 84 u**5 + 70 u**6 - 20 u**7.
@@ -87,9 +90,9 @@ GAUSS = 0.5 - 3**-0.5 / 2, 0.5 + 3**-0.5 / 2
 class Reference(NamedTuple):
     """The derivative of a display image.
 
-    image: (height, width, 3). blocks: its sums over blocks, (rows, columns) (`raytrace.studies.differences.block_sums`).
-    error: their errors, (rows, columns), with a sign: the sum is the error of the total. lost: the share of the edges,
-    weighed by their jumps, whose velocity was not found, as where three surfaces meet.
+    image: (height, width, 3). blocks: its sums over blocks (`raytrace.studies.differences.block_sums`), (rows,
+    columns). error: their errors, (rows, columns), with a sign: the sum is the error of the total. lost: the share of
+    the edges, weighed by their jumps, whose velocity was not found, as where three surfaces meet.
     """
 
     image: np.ndarray
@@ -102,7 +105,7 @@ def reference(
     scene: Scene,
     parameters: Mapping[str, tuple[Callable[[Scene, Any], Scene], float]],
     size: tuple[int, int],
-    scanlines: int = 8,
+    scanlines: int = 12,
 ) -> dict[str, Reference]:
     """Return the derivative of the display image by each of the parameters, from float64.
 
@@ -147,8 +150,7 @@ class _Points:
 
     def colors(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the labels and the linear colours, of shape (..., 3)."""
-        label, color = self._ask(x, y, ("index", "shadow", "NdL", "hitPoint", "rd", "linear"))
-        return label, color
+        return self._ask(x, y, ("index", "shadow", "NdL", "hitPoint", "rd", "linear"))
 
     def _ask(self, x: np.ndarray, y: np.ndarray, keep: tuple[str, ...]) -> tuple[np.ndarray, Any]:
         shape, x, y = x.shape, x.ravel(), y.ravel()
@@ -184,7 +186,9 @@ class _Edges(NamedTuple):
     """Where scanlines cross edges, arrays (k,), in their order.
 
     scanline: the number of the scanline. at: where on it, in pixels. before, after: the labels on both sides. kind: how
-    many bits of the labels do not matter. jump: the colour before less the colour after, (k, 3). share: n_x**2 or n_y**2, whichever is the scanlines'. like: the number of the edge whose share and velocity are taken.
+    many bits of the labels do not matter. jump: the colour before less the colour after, (k, 3). share: n_x**2 or
+    n_y**2, whichever is the scanlines'. like: the number of the edge whose share and velocity it has: its own, but for
+    some of a crowd.
     """
 
     scanline: np.ndarray
@@ -321,13 +325,15 @@ class _Scanlines:
         lacking = np.isnan(result) & (edges.kind == 0) & (edges.share > STEEP)
         return np.where(lacking, result[self._near(np.isnan(result) | (edges.share <= STEEP))], result)
 
-    def _between(self, points, beside, low, high, before, after, kind) -> np.ndarray:
+    def _between(self, points: _Points, beside: Any, low: Any, high: Any, before: Any, after: Any, kind: Any) -> Any:
         """Whether what is between `low` and `high` is that edge and no other, as far as their labels say."""
         return (points.labels(*self.points(low, beside)) >> kind == before) & (
             points.labels(*self.points(high, beside)) >> kind == after
         )
 
-    def _moved(self, points, beside, at, before, after, kind, bracket) -> np.ndarray:
+    def _moved(
+        self, points: _Points, beside: Any, at: Any, before: Any, after: Any, kind: Any, bracket: float
+    ) -> np.ndarray:
         """Return where the edges are that were `at`; NaN where they are not in the bracket, or not alone."""
         # Else neighbours that move alike would all be rounded alike.
         uneven = bracket * (1 + 0.3 * np.random.default_rng(0).uniform(-1, 1, (2, len(at))))
@@ -497,7 +503,8 @@ def _developed(here: _Points, mean: np.ndarray, slope: np.ndarray) -> np.ndarray
     step = 1e-5 * mean.max(-1, keepdims=True) / np.maximum(np.abs(slope).max(-1, keepdims=True), 1e-300)
     step = np.where(np.isfinite(step), step, 1.0)
     # No light is negative.
-    step = np.where((np.abs(slope) * step > 0.1 * mean) & (mean > 0), 0.1 * mean / np.maximum(np.abs(slope), 1e-300), step)
+    shortest = 0.1 * mean / np.maximum(np.abs(slope), 1e-300)
+    step = np.where((mean > 0) & (shortest < step), shortest, step)
     step = step.min(-1, keepdims=True)
     ahead, back = (
         np.stack(develop(Vec3(*np.maximum(mean + sign * step * slope, 0).T), here.uniforms.film, here.program), -1)

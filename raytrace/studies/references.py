@@ -2,12 +2,12 @@
 
 A folder holds
 
-- `worlds.toml`: the side of a block, the parameters (what is changed, its unit, the limits of a derivative's error), and the
-  worlds: size, parameters, and the scanlines of the reference;
+- `worlds.toml`: the side of a block, the parameters (what is changed, its unit, the limits of a derivative's error),
+  and the worlds: size, parameters, and the scanlines of the reference;
 - `NAME.toml` for each world: its scene;
 - `references.npz`: under "WORLD/PARAMETER" the sums over blocks of the derivative of the display image, the mean of its
-  channels, float32 of shape (rows, columns); under "WORLD/PARAMETER/error" their errors, with a sign, so that their sum is
-  that of the total.
+  channels, float32 of shape (rows, columns), without what is left of whole blocks at the right and at the bottom; under
+  "WORLD/PARAMETER/error" their errors, with a sign, so that their sum is that of the total.
 
 Another program's file is an .npz with keys "WORLD/PARAMETER", as many as it likes: such sums, or the derivative itself,
 (height, width, 3) or (height, width).
@@ -128,9 +128,9 @@ def read_benchmark(folder: Any = STORED) -> list[Held]:
             for key in keys:
                 if key not in arrays:
                     raise InputError(f"{folder / REFERENCES}: has no {key!r}")
-                if arrays[key].shape != (height // BLOCK, width // BLOCK):
-                    shape = (height // BLOCK, width // BLOCK)
-                    raise InputError(f"{folder / REFERENCES}: {key}: must have shape {shape}, found {arrays[key].shape}")
+                shape, found = (height // BLOCK, width // BLOCK), arrays[key].shape
+                if found != shape:
+                    raise InputError(f"{folder / REFERENCES}: {key}: must have shape {shape}, found {found}")
             references[parameter] = (arrays[keys[0]], arrays[keys[1]])
         held.append(Held(World(name, scene, (width, height), parameters, scanlines), references))
     return held

@@ -43,7 +43,8 @@ def random_world(seed: int) -> Scene:
 class Parameter(NamedTuple):
     """A number of a scene: how to change it, by how much a difference should, and what errors a derivative may have.
 
-    words: what is changed, and its unit. limits: of the total and of the blocks' sums, relative. differences: from so many the reference is averaged.
+    words: what is changed, and its unit. limits: of the total and of the blocks' sums, relative. differences: from so
+    many `raytrace.studies.differences.difference` is averaged.
     """
 
     words: str
@@ -205,7 +206,7 @@ def _inside_a_sphere(seed: int) -> Scene:
     scene = random_world(seed)
     center, radius = scene.spheres.center.copy(), scene.spheres.radius.copy()
     position = np.asarray(scene.camera.position)
-    center[0] = position + [0.2, 0.1, -0.9]
+    center[0] = position + np.array([0.2, 0.1, -0.9])
     radius[0] = 1.3
     return replace(scene, spheres=replace(scene.spheres, center=center, radius=radius))
 
