@@ -43,9 +43,9 @@ NEAR = 16
 FIRST = 4
 #: Steps of a bisection: from a pixel's part to some 1e-8 pixels; and from a bracket to 1e-3 of it, which is enough for
 #: velocities, as there are very many.
-ROUNDS, FEW = 22, 12
+ROUNDS, FEW = 24, 13
 #: An edge that stays within so many pixels does not move.
-STILL = 1e-6
+STILL = 1e-7
 #: Edges of a pattern between two neighbouring points that are told apart. More, as near a horizon, are a crowd, and are
 #: taken to move alike: then all but the colours at the two ends cancels.
 MOST = 2
@@ -62,7 +62,7 @@ TILES = 40
 BRACKET, ASIDE = 0.02, 2e-3
 #: Of a parameter's step, to move edges and to change colours. The second is smaller: the points next to an edge are to
 #: stay on their side.
-MOVE, CHANGE = 0.01, 1e-5
+MOVE, CHANGE = 0.03, 1e-5
 #: Where an edge passes out of its bracket, or another comes into it, both are made smaller, the move by the square.
 SMALLER, TRIES = 8, 3
 #: Edges of a smaller jump are kinks: a sphere's terminator is one.
@@ -71,7 +71,7 @@ LEAST_JUMP = 1e-9
 FEWER = 4
 #: No colour changes that much by so small a step, but where an edge has passed.
 LARGEST_CHANGE = 1e-2
-#: A sphere has so many scanlines across its radius, at most so many in a pixel.
+#: A sphere of less than a pixel has so many scanlines across its radius, at most so many in a pixel.
 ACROSS, MOST_SCANLINES = 32, 512
 #: Where the level and the upright scanlines of the two sets lie, in parts of the distance between them.
 GOLDEN = 0.6180339887498949
@@ -500,12 +500,11 @@ def _tiles_between(before: np.ndarray, after: np.ndarray) -> np.ndarray:
 
 def _developed(here: _Points, mean: np.ndarray, slope: np.ndarray) -> np.ndarray:
     """The derivative of the display values of `mean` along `slope`, both (k, 3)."""
-    step = 1e-5 * mean.max(-1, keepdims=True) / np.maximum(np.abs(slope).max(-1, keepdims=True), 1e-300)
-    step = np.where(np.isfinite(step), step, 1.0)
-    # No light is negative.
-    shortest = 0.1 * mean / np.maximum(np.abs(slope), 1e-300)
-    step = np.where((mean > 0) & (shortest < step), shortest, step)
-    step = step.min(-1, keepdims=True)
+    light, fastest = (np.abs(each).max(-1, keepdims=True) for each in (mean, slope))
+    step = np.where((light > 0) & (fastest > 0), 1e-5 * light / np.maximum(fastest, 1e-300), 1.0)
+    # No light is negative, which a component that is nearly dark must not become.
+    darkened = np.where((mean > 0) & (slope != 0), 0.1 * mean / np.maximum(np.abs(slope), 1e-300), np.inf)
+    step = np.minimum(step, darkened.min(-1, keepdims=True))
     ahead, back = (
         np.stack(develop(Vec3(*np.maximum(mean + sign * step * slope, 0).T), here.uniforms.film, here.program), -1)
         for sign in (1, -1)
@@ -530,9 +529,9 @@ def _scanlines_of(scene: Scene, size: tuple[int, int], least: int) -> np.ndarray
         distance = np.linalg.norm(center - to_world[:3, 3])
         # What it is in the middle of the picture; towards the corners it is more.
         seen = radius / max(distance, 1e-9) / to_view[1, 1] * height / 2
-        if seen * least >= ACROSS:
+        if seen >= 1:
             continue
-        n = min(int(np.ceil(ACROSS / seen)), MOST_SCANLINES)
+        n = int(np.clip(np.ceil(ACROSS / seen), least, MOST_SCANLINES))
         top, left = (max(int(np.floor(c - 2 * seen)), 0) for c in (y, x))
         bottom, right = (int(np.floor(c + 2 * seen)) + 1 for c in (y, x))
         part = number[top : max(bottom, 0), left : max(right, 0)]

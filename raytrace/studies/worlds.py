@@ -142,7 +142,7 @@ def worlds() -> list[World]:
     lit = Scene(Spheres([[0.05, 0.53, -1]], [0.03], [[0.8] * 3]), (), Sun([1, 1, 1.0]), lighting="on")
     found.append(World("small-lit", lit, (32, 18), ("sun azimuth", "sun elevation", "first radius")))
     for name, (made, parameters) in _HARD.items():
-        found += [World(f"{name}-{seed}", made(1000 + seed), HARD_SIZE, parameters, 24) for seed in range(HARD)]
+        found += [World(f"{name}-{seed}", made(1000 + seed), HARD_SIZE, parameters, 16) for seed in range(HARD)]
     return found
 
 

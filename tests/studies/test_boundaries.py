@@ -17,16 +17,23 @@ def of(scene, *names, size=SIZE, scanlines=8):
     return reference(scene, {name: (PARAMETERS[name].moved, PARAMETERS[name].step) for name in names}, size, scanlines)
 
 
-@pytest.mark.parametrize(("seed", "parameter"), [(1, "sun azimuth"), (2, "sphere's radius"), (3, "camera's x")])
-def test_it_is_what_differences_come_to_within_the_errors_of_both(seed, parameter):
+@pytest.mark.parametrize(
+    ("seed", "parameter", "samples"),
+    [
+        (1, "sun azimuth", 12),
+        (2, "sphere's radius", 24),
+        pytest.param(3, "camera's x", 32, marks=pytest.mark.full),
+    ],
+)
+def test_it_is_what_differences_come_to_within_the_errors_of_both(seed, parameter, samples):
     world = random_world(seed)
     found = of(world, parameter)[parameter]
-    checked = difference(world, parameter, SIZE, 12)
+    checked = difference(world, parameter, SIZE, samples)
     size = np.abs(found.blocks).sum()
     apart = np.abs(found.blocks - checked.blocks).sum() / size
     noise = (np.abs(found.error).sum() + checked.error.sum()) / size
-    assert apart < 1.5 * noise
-    assert noise < 0.3
+    assert apart < noise
+    assert np.abs(found.error).sum() < checked.error.sum()
     assert found.lost < 0.02
 
 
@@ -74,13 +81,13 @@ def test_a_disc_that_moves_gains_what_it_loses():
 
 
 def test_two_changes_together_are_the_sum_of_both():
-    world = random_world(1)
+    world, size = random_world(1), (36, 24)
 
     def both(scene, h):
         return PARAMETERS["sphere's x"].moved(PARAMETERS["sun azimuth"].moved(scene, 20 * h), h)
 
-    one = of(world, "sphere's x", "sun azimuth")
-    together = reference(world, {"both": (both, PARAMETERS["sphere's x"].step)}, SIZE, 8)["both"]
+    one = of(world, "sphere's x", "sun azimuth", size=size, scanlines=4)
+    together = reference(world, {"both": (both, PARAMETERS["sphere's x"].step)}, size, 4)["both"]
     expected = one["sphere's x"].blocks + 20 * one["sun azimuth"].blocks
     assert np.abs(together.blocks - expected).sum() < 0.01 * np.abs(expected).sum()
 
