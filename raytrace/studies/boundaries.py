@@ -211,7 +211,7 @@ class _Bracket(NamedTuple):
     after: np.ndarray
 
     def some(self, chosen: np.ndarray) -> "_Bracket":
-        return _Bracket(*(array[chosen] for array in self))
+        return _Bracket._make(array[chosen] for array in self)
 
 
 class _Scanlines:
@@ -260,10 +260,10 @@ class _Scanlines:
                 _Bracket(scanline, rest.low, low, before, last).some((before != last) & ~crowd),
                 _Bracket(scanline, high, rest.high, first, after).some((first != after) & ~crowd),
             ]
-            rest = _Bracket(*map(np.concatenate, zip(*parts, strict=True)))
-        edges = _Edges(*map(np.concatenate, zip(*found, strict=True)))
+            rest = _Bracket._make(map(np.concatenate, zip(*parts, strict=True)))
+        edges = _Edges._make(map(np.concatenate, zip(*found, strict=True)))
         order = np.lexsort([edges.at, edges.scanline])
-        self.edges = _Edges(*(array[order] for array in edges))
+        self.edges = _Edges._make(array[order] for array in edges)
         crowd, own = self.edges.like < 0, np.arange(len(order))
         self.edges = self.edges._replace(like=own)
         slope = self.velocities(here, here, ASIDE, aside=True)
@@ -313,8 +313,8 @@ class _Scanlines:
                 still = [self._between(*side, at - STILL, at + STILL, before, after, kind) for side in sides]
                 moves = ~(still[0] & still[1])
                 result[left[~moves]] = 0
-            args = [array[moves] for array in (at, before, after, kind)]
-            places = [self._moved(points, beside[moves], *args, bracket) for points, beside in sides]
+            at, before, after, kind = (array[moves] for array in (at, before, after, kind))
+            places = [self._moved(points, beside[moves], at, before, after, kind, bracket) for points, beside in sides]
             result[left[moves]] = (places[0] - places[1]) / (2 * step)
             left = left[np.isnan(result[left])]
             bracket, step = bracket / SMALLER, step / SMALLER**2

@@ -205,8 +205,8 @@ def _inside_a_sphere(seed: int) -> Scene:
     """The camera is in the first sphere, which is seen from inside; it is cut by the ground and by others."""
     scene = random_world(seed)
     center, radius = scene.spheres.center.copy(), scene.spheres.radius.copy()
-    position = np.asarray(scene.camera.position)
-    center[0] = position + np.array([0.2, 0.1, -0.9])
+    assert isinstance(scene.camera, PerspectiveCamera)
+    center[0] = scene.camera.position + np.array([0.2, 0.1, -0.9])
     radius[0] = 1.3
     return replace(scene, spheres=replace(scene.spheres, center=center, radius=radius))
 

@@ -27,7 +27,7 @@ def of(scene, *names, size=SIZE, scanlines=8):
 )
 def test_it_is_what_differences_come_to_within_the_errors_of_both(seed, parameter, samples):
     world = random_world(seed)
-    found = of(world, parameter)[parameter]
+    found = of(world, parameter, scanlines=24)[parameter]
     checked = difference(world, parameter, SIZE, samples)
     size = np.abs(found.blocks).sum()
     apart = np.abs(found.blocks - checked.blocks).sum() / size
