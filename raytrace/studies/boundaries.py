@@ -14,7 +14,8 @@ A scanline sees an edge well that it crosses steeply. Of an edge of unit normal 
 n_x**2 and the upright ones n_y**2: so neither is asked about an edge along which it runs.
 
 The display image's derivative is that of the film at the mean, along the mean's derivative. All is done twice, with
-scanlines in other places: the mean of both is the result, half the difference its error.
+scanlines in other places: the mean of both is the result, half the difference its error. Of one block that is a guess
+from two numbers; of the blocks of an image together it says more.
 """
 
 from collections.abc import Callable, Mapping

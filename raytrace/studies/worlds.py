@@ -202,12 +202,12 @@ def _planes_that_meet(seed: int) -> Scene:
 
 
 def _inside_a_sphere(seed: int) -> Scene:
-    """The camera is in the first sphere, which is seen from inside; it is cut by the ground and by others."""
+    """The camera is in the first sphere, seen from inside where neither the ground nor another sphere is nearer."""
     scene = random_world(seed)
     center, radius = scene.spheres.center.copy(), scene.spheres.radius.copy()
     assert isinstance(scene.camera, PerspectiveCamera)
     center[0] = scene.camera.position + np.array([0.2, 0.1, -0.9])
-    radius[0] = 1.3
+    radius[0] = 2.6
     return replace(scene, spheres=replace(scene.spheres, center=center, radius=radius))
 
 
