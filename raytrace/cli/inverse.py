@@ -2,8 +2,9 @@
 
 import json
 import sys
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -11,6 +12,7 @@ from raytrace.cli.options import Changes, Layer, Scene, Size, check_outputs, pro
 from raytrace.errors import InputError, check_choice
 from raytrace.files import check_figure
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
+from raytrace.tables import plain
 
 __all__ = ["fit_sun", "gradients", "sun_trials"]
 
@@ -99,25 +101,82 @@ def gradients(
     parameters: Annotated[
         list[str] | None, typer.Option("--parameter", help="A parameter, such as 'sun azimuth'; repeatable.")
     ] = None,
-    worlds: Annotated[int, typer.Option(help="How many random worlds.")] = 20,
+    chosen: Annotated[
+        list[str] | None, typer.Option("--world", help="A world, such as 'random-00'; repeatable. Default: all.")
+    ] = None,
+    finer: Annotated[
+        bool, typer.Option("--finer", help="Also edges in 4x4 squares a pixel, which takes longer.")
+    ] = False,
+    theirs: Annotated[
+        Path | None,
+        typer.Option(help="Another program's derivatives instead of ours, .npz: 'WORLD/PARAMETER' to an array."),
+    ] = None,
+    references: Annotated[
+        Path | None, typer.Option(help="A folder of worlds and references; default: the package's own.")
+    ] = None,
+    write: Annotated[
+        Path | None, typer.Option(help="Compute the worlds' references and write them to this folder, instead.")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """How right the image's derivatives are, with and without edges, against differences of supersampled images."""
-    from raytrace.studies.gradients import PARAMETERS, Error, errors, random_world, table
+    """How right the image's derivatives are, with and without edges, against references by boundary integrals."""
+    from raytrace.studies.references import STORED, read_benchmark, read_theirs, write_benchmark
+    from raytrace.studies.worlds import PARAMETERS, worlds
 
-    names = parameters or list(PARAMETERS)
-    for name in names:
+    for name in parameters or ():
         check_choice("parameter", name, PARAMETERS)
-    if worlds < 1:
-        raise InputError(f"worlds: must be 1 at least, found {worlds}")
-    found: dict[str, list[dict[str, Error]]] = {name: [] for name in names}
-    with progress(len(names) * worlds, "differentiating") as advance:
-        for name in names:
-            for seed in range(worlds):
-                found[name].append(errors(random_world(seed), name))
-                advance(1)
+    if write is not None:
+        if theirs or references or parameters or finer or as_json:
+            raise InputError("write: goes with --world only")
+        made = {world.name: world for world in worlds()}
+        names = _names_of(made, chosen)
+        with progress(sum(len(made[name].parameters) for name in names), "references") as advance:
+            write_benchmark(write, [made[name] for name in names], advance)
+        print(f"{write}: references of {len(names)} worlds")
+        return
+
+    from raytrace.studies.gradients import CHOICES, FINER, Error, errors, misses, our_errors, table
+
+    if theirs is not None and finer:
+        raise InputError("finer: is a choice of ours, and goes without --theirs")
+    held = {each.world.name: each for each in read_benchmark(references or STORED)}
+    blocks = read_theirs(theirs, held.values()) if theirs is not None else None
+    names = _names_of(held, chosen)
+    asked = [
+        (parameter, held[name])
+        for parameter in parameters or PARAMETERS
+        for name in names
+        if parameter in held[name].references and (blocks is None or (name, parameter) in blocks)
+    ]
+    if not asked:
+        raise InputError("gradients: none of those worlds has a derivative by any of those parameters")
+    found: dict[str, dict[str, dict[str, Error]]] = {}
+    choices = tuple(name for name in CHOICES if finer or name != FINER)
+    with progress(len(asked), "differentiating") as advance:
+        for parameter, each in asked:
+            name = each.world.name
+            if blocks is None:
+                of = our_errors(each, parameter, choices)
+            else:
+                of = {"theirs": errors(blocks[name, parameter], each.references[parameter])}
+            found.setdefault(parameter, {})[name] = of
+            advance(1)
     if as_json:
-        tables = {name: [{k: e._asdict() for k, e in of.items()} for of in each] for name, each in found.items()}
-        print(json.dumps(tables, indent=1))
-    else:
-        print(table(found))
+        print(json.dumps(_plain(found), indent=1, allow_nan=False))
+        return
+    print(table(found))
+    out = misses(found)
+    if out:
+        print("\nout of the limits, in percent:")
+        print("\n".join(out))
+
+
+def _names_of(known: Iterable[str], chosen: list[str] | None) -> list[str]:
+    for name in chosen or ():
+        check_choice("world", name, known)
+    return list(dict.fromkeys(chosen)) if chosen else list(known)
+
+
+def _plain(found: Any) -> Any:
+    """Named tuples as dicts, at any depth."""
+    return {key: _plain(value) for key, value in found.items()} if isinstance(found, dict) else plain(found)

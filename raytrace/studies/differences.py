@@ -30,7 +30,7 @@ class Difference(NamedTuple):
 
 def difference(scene: Scene, parameter: str, size: tuple[int, int], samples: int) -> Difference:
     """Central differences of float64 display images with samples x samples samples a pixel, by one of `PARAMETERS`."""
-    moved, step, _, number = PARAMETERS[parameter]
+    _, moved, step, _, number = PARAMETERS[parameter]
 
     def slope(turn: int, h: float) -> np.ndarray:
         offset = (turn * EVENLY % 1 - 0.5) / samples
