@@ -9,8 +9,8 @@ from raytrace.language.types import Float
 
 __all__ = ["disc_coverage", "interval_coverage", "positive_mean"]
 
-#: An ellipse is small where its half axes' inverses, squared, are together larger than this: less than 3 squares.
-BENT = 2 / 9
+#: An ellipse is small where its half axes' inverses, squared, are together larger than this: less than 8 squares.
+BENT = 1 / 32
 #: Chords are added up along so many lines: their places between the first and the last, and their weights, by Gauss and
 #: Legendre. The lines crowd where a chord may begin: t -> 3 t^2 - 2 t^3 takes the root's steepness away there.
 NODES = [(0.0694318442029737, 0.1739274225687269), (0.3300094782075719, 0.3260725774312731)]

@@ -15,6 +15,8 @@ __all__ = ["Edge", "Jet", "jet", "value", "values"]
 
 #: The least that a jet changes along one axis of a pixel, as a part of that along the other.
 LEAST = 2.0**-10
+#: A jet is far from 0 if it is so many times what it changes by from the middle of a pixel to its farthest corner.
+FAR = 4.0
 
 
 def _beside_vectors(operation: Callable) -> Callable:
@@ -218,18 +220,28 @@ class _Namespace:
         return Jet(of(a.value, value(b)), either.dx, either.dy)
 
     def root(self, x: Jet) -> Jet:
-        """Return the mean of the root over that part of the pixel where `x` is positive.
+        """Return the mean of the root over that part of the pixel where `x` is positive, exact where it is linear.
 
-        So it has a derivative where `x` is 0 in the pixel, as at a sphere's silhouette. If x grows evenly in that part
-        from b^2 to a^2, the mean is 2/3 (a^3 - b^3) / (a^2 - b^2). Its slopes are those at its steepest.
+        So it has a derivative where `x` is 0 in the pixel, as at a sphere's silhouette. The integral of the root is a
+        second difference of that of 4/15 x^(5/2), as `x` is distributed as the sum of two uniform numbers. Its slopes
+        are those at its largest.
         """
-        half = x.spread / 2
-        most = self.base.maximum(x.value + half, lift(0, half))
-        least = self.base.maximum(most - x.spread * x.share, lift(0, half))
-        a, b = self._root(most), self._root(least)
-        ends = self.base.where(most > 0, a + b, lift(1, a))
-        slope = self.base.where(most > 0, 2 * a, lift(1, a))
-        return Jet((a + least / ends) * 2 / 3, x.dx / slope, x.dy / slope)
+        base, edge, share = self.base, x.edge, x.share
+        one = lift(1, share)
+        far, near = (1 + edge.flat) / 2, (1 - edge.flat) / 2
+        place = base.minimum(base.maximum(x.value / edge.steep, -far), FAR * far)
+        ends = [place + far, place - far, place + near, place - near]
+        a, b, c, d = (end * end * self._root(end) for end in ends)
+        close = (a + b - c - d) * 4 / (15 * edge.flat * base.where(share > 0, share, one))
+        # Far from 0 the root is nearly even: its mean is the root's, less by the variance.
+        positive = base.where(x.value > 0, x.value, edge.steep)
+        ratio = edge.steep / positive
+        apart = self._root(positive) * (1 - (1 + edge.flat * edge.flat) * ratio * ratio / 96)
+        within = close * self._root(edge.steep)
+        mean = base.where(place < FAR * far, within, apart)
+        most = self._root(x.value + x.spread / 2)
+        slope = base.where(most > 0, 2 * most, one)
+        return Jet(mean, x.dx / slope, x.dy / slope)
 
     def _root(self, x: Array) -> Array:
         positive = x > 0
