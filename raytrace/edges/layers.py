@@ -54,14 +54,14 @@ def camera_ray(uniforms: Uniforms, program: Program, ndc: Vec2) -> tuple[Vec3, V
 def mean_color(uniforms: Uniforms, program: Program, ndc: Vec2) -> Vec3:
     """Return the mean of the linear image over the squares around `ndc`, of jets."""
     ro, rd = camera_ray(uniforms, program, ndc)
-    zero = 0 * rd.x.value
+    zero = 0 * ndc.x.value
     black = Vec3(zero, zero, zero)
 
     def seen(ro, rd, index):
         return layer(ro, rd, index, uniforms, program)
 
     def unseen(ro, rd, index):
-        zero = 0 * rd.x.value
+        zero = constant(0, rd.x.value)
         return Layer(zero, Jet(zero, zero, zero))
 
     def see(layers, _, index, ro, rd):
@@ -73,7 +73,7 @@ def mean_color(uniforms: Uniforms, program: Program, ndc: Vec2) -> Vec3:
         return part.share * values(shade(ro, rd, hit, uniforms, program, **SQUARE).linear)
 
     def dark(ro, rd, part):
-        zero = 0 * rd.x.value
+        zero = constant(0, part.share)
         return Vec3(zero, zero, zero)
 
     def add(color, _, part, ro, rd):

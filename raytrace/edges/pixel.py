@@ -42,8 +42,8 @@ def mean_of_square(uniforms: Uniforms, program: Program, ndc: Vec2) -> Vec3:
     fields = ("t", "index", "hitPoint", "N", "linear")
     seen = main(uniforms, program, values(ndc), fields)
     # How a pixel is cut has no derivative.
-    fixed, around, middle = tree_map(detach, (uniforms, camera_ray(uniforms, program, ndc), seen))
-    cut = cuts(fixed, program, *around, middle)
+    fixed, (ro, rd), middle = tree_map(detach, (uniforms, camera_ray(uniforms, program, ndc), seen))
+    cut = cuts(fixed, program, ro, rd, middle)
 
     def part(k, cut, ndc):
         place, size = cut.square(k)

@@ -28,25 +28,27 @@ from raytrace.language.types import Bool, Float, Int
 from raytrace.shader.hit import ShadowEdges, Silhouettes
 from raytrace.shader.light import SHADOW_OFFSET
 from raytrace.shader.main import Steps
+from raytrace.shader.sky import SUN_GRADIENT
 from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = ["Cut", "cuts"]
 
 #: Squares along either side of a pixel with one edge, of one with an edge over the pattern's, and of one in which edges
 #: meet or bend.
-FEW, SOME, MANY = 4, 6, 8
+FEW, SOME, MANY = 4, 8, 12
 #: A sphere of fewer pixels' radius is tiny. Its pixel has so many columns and rows. Of these the share `MOST` is on the
 #: sphere and a little `AROUND` it; on one that is smaller than `TINIEST` they are as on one of that radius.
 TINY, TINYS, MOST, AROUND, TINIEST = 0.7, 24, 2 / 3, 1.1, 2.0**-10
 #: Columns and rows of a pixel in which there is but the pattern: so many, or as many more as keep the strips of each
 #: square shorter than so large a part of a tile.
-PATTERN, FINER, LONGEST = 2, (4, 8, 16, 32), 0.0625
+PATTERN, FINER, LONGEST = 2, (4, 8, 16), 0.125
 #: Edges are looked for so much farther away than the pixel reaches, as surfaces bend.
 MARGIN = 1.25
 #: A sphere, or its shadow, is small if its radius is less than so many times what the pixel reaches: its edge bends.
 SMALL = 6
-#: A surface that turns by more radians than this within a pixel is of many slopes.
-TURN = 0.25
+#: A surface that turns by more radians than this within a pixel is of many slopes; by fewer than that, the kink at its
+#: terminator is none.
+TURN, KINK = 0.25, 1 / 32
 #: A surface seen at a smaller sine than this is taken to be seen at it, so that what a pixel sees of it is finite.
 FLATTEST = 2.0**-10
 
@@ -110,7 +112,8 @@ class Cut(NamedTuple):
             low, high = (clamp(middle + side, -0.5, 0.5) for side in (-self.half, self.half))
             ends = [_warped(end / number, low, high) for end in (place, place + 1)]
             sides.append(((ends[0] + ends[1]) / 2, ends[1] - ends[0]))
-        return tuple(Vec2(*both) for both in zip(*sides, strict=True))
+        (x, width), (y, height) = sides
+        return Vec2(x, y), Vec2(width, height)
 
 
 def _warped(x: Float, low: Float, high: Float) -> Float:
@@ -156,9 +159,12 @@ def edges(uniforms: Uniforms, program: Program, ro: Vec3, rd: Vec3, seen: Steps)
         radius = at(uniforms.spheres.radius, seen.index)
         turn = select(seen.index < count(uniforms.spheres), reach / maximum(radius, smallest_divisor(reach)), 0)
         number = number + 2 * counted((seen.index >= 0) & (turn > TURN))
+        L = normalize(uniforms.sun.direction)
+        facing = dot(seen.N, L)
+        # The terminator: the light has a kink there.
+        number = number + counted((seen.index >= 0) & (abs(facing) < turn) & (turn > KINK))
         if program.lighting == "shadow":
-            L = normalize(uniforms.sun.direction)
-            lit = (seen.index >= 0) & (dot(seen.N, L) > -turn)
+            lit = (seen.index >= 0) & (facing > -turn)
             number = number + shadow_edges(uniforms, program, L, surface, lit, seen)
     return number, found.size, found.x, found.y
 
@@ -221,8 +227,10 @@ def planes(uniforms: Uniforms, ray: Footprint, rd: Vec3, surface: Footprint, see
         return number + counted(horizon) + counted(meets)
 
     up = Vec3(*(constant(x, rd.x) for x in (0, 1, 0)))
-    # The sky is steep at its horizon.
-    sky = counted((seen.index < 0) & (abs(rd.y) < 2 * ray.along(up)))
+    # The sky is steep at its horizon, and about the sun.
+    from_sun = (1 - dot(rd, normalize(uniforms.sun.direction))) * SUN_GRADIENT
+    steep = (from_sun < 8) & (ray.reach() * ray.reach() * SUN_GRADIENT > 1 / 16)
+    sky = counted((seen.index < 0) & (steep | (abs(rd.y) < 2 * ray.along(up))))
     return each(uniforms.planes, body, sky, ray, rd, surface, open_, seen.index, seen.hitPoint)
 
 

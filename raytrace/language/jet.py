@@ -224,7 +224,7 @@ class _Namespace:
 
         So it has a derivative where `x` is 0 in the pixel, as at a sphere's silhouette. The integral of the root is a
         second difference of that of 4/15 x^(5/2), as `x` is distributed as the sum of two uniform numbers. Its slopes
-        are those at its largest.
+        are the tangent's, but none is steeper than that half a pixel from 0.
         """
         base, edge, share = self.base, x.edge, x.share
         one = lift(1, share)
@@ -234,13 +234,13 @@ class _Namespace:
         a, b, c, d = (end * end * self._root(end) for end in ends)
         close = (a + b - c - d) * 4 / (15 * edge.flat * base.where(share > 0, share, one))
         # Far from 0 the root is nearly even: its mean is the root's, less by the variance.
-        positive = base.where(x.value > 0, x.value, edge.steep)
+        positive = base.where(place < FAR * far, edge.steep, x.value)
         ratio = edge.steep / positive
         apart = self._root(positive) * (1 - (1 + edge.flat * edge.flat) * ratio * ratio / 96)
         within = close * self._root(edge.steep)
         mean = base.where(place < FAR * far, within, apart)
-        most = self._root(x.value + x.spread / 2)
-        slope = base.where(most > 0, 2 * most, one)
+        slope = 2 * base.maximum(mean, self._root(x.spread / 2))
+        slope = base.where(slope > 0, slope, one)
         return Jet(mean, x.dx / slope, x.dy / slope)
 
     def _root(self, x: Array) -> Array:

@@ -7,7 +7,7 @@ from raytrace.language.namespace import constant
 from raytrace.language.types import Float
 from raytrace.shader.uniforms import Sky, Sun
 
-__all__ = ["background_color"]
+__all__ = ["SUN_GRADIENT", "background_color"]
 
 SKY_GRADIENT = literal("1/4")
 SUN_GRADIENT = literal("2400")

@@ -37,18 +37,18 @@ def test_derivatives(name, x, y, along_x, along_y):
     """A pixel is small, so that no root in it is near 0; of equal numbers neither is the larger."""
     assume(x != y and x * y != 1.5 and y != -1)
     with jax.enable_x64(True):
-        primals, tangents = tuple(map(np.float64, (x, y))), tuple(map(np.float64, (along_x * 1e-3, along_y * 1e-3)))
+        primals, tangents = tuple(map(np.float64, (x, y))), tuple(map(np.float64, (along_x * 1e-6, along_y * 1e-6)))
         expected, slope = map(float, by_jax(name)(primals, tangents))
     found = FUNCTIONS[name](*(Jet(*map(np.asarray, (v, d, 2 * d))) for v, d in zip(primals, tangents, strict=True)))
-    np.testing.assert_allclose(found.value, expected, rtol=1e-12, atol=1e-12)
-    np.testing.assert_allclose(found.dx, slope, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(found.dy, 2 * slope, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.value, expected, rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(found.dx, slope, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(found.dy, 2 * slope, rtol=1e-9, atol=1e-12)
 
 
 def test_a_root_near_0_does_not_reach_infinitely_far():
-    """Of x over the pixel from -1/2 to 1/2: the slope at the middle is that to half a pixel from there, 1 / sqrt(2)."""
+    """Of x over the pixel from -1/2 to 1/2: the mean is that over the right half, the slope that at its end."""
     root = sqrt(Jet(np.float64(1e-30), np.float64(1), np.float64(0)))
-    assert root.value == 1e-15
+    assert root.value == pytest.approx(0.5**0.5 * 2 / 3, rel=1e-3)
     assert root.dx == pytest.approx(0.5**0.5)
 
 
