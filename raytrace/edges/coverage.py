@@ -36,7 +36,7 @@ def positive_mean(x: Jet) -> Float:
 
 def interval_coverage(x: Jet, low: float, high: float) -> Float:
     """Return the share of a square where x is between `low` and `high`."""
-    return (x - low).share - (x - high).share
+    return maximum((x - low).share - (x - high).share, 0)
 
 
 def disc_coverage(offset: Vec3, radius: Float) -> Float:

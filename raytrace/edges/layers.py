@@ -56,6 +56,8 @@ def mean_color(uniforms: Uniforms, program: Program, ndc: Vec2) -> Vec3:
     ro, rd = camera_ray(uniforms, program, ndc)
     zero = 0 * ndc.x.value
     black = Vec3(zero, zero, zero)
+    if uniforms.spheres is None and uniforms.planes is None:
+        return black + sky_color(uniforms, rd, (), (), 1 + zero)
 
     def seen(ro, rd, index):
         return layer(ro, rd, index, uniforms, program)

@@ -20,6 +20,8 @@ from jax.custom_derivatives import SymbolicZero
 from jax.extend.core import ClosedJaxpr, Primitive, jaxpr_as_fun
 from jax.interpreters import ad, batching, mlir
 
+from raytrace.errors import InputError
+
 __all__ = ["by_forward_mode", "forward_mode_only"]
 
 #: So many directions are followed at a time.
@@ -39,14 +41,19 @@ def forward_mode_only() -> Iterator[None]:
         _only.reset(token)
 
 
-def by_forward_mode(function: Callable, numbers: Any) -> Any:
-    """`function(numbers)`, of a structure of arrays; its derivatives take a run for each number that they are by.
+def by_forward_mode(function: Callable, numbers: Any, once: Any, refusal: str) -> Any:
+    """Return `function(numbers)`, of a structure of arrays; its derivatives take a run for each number they are by.
 
-    function: gives a structure of arrays, holds no traced value, and is not differentiated twice.
+    function: gives a structure of arrays, and holds no traced value. once: of the structure of `numbers`, True for
+    those by two of which it has no second derivative. refusal: what is said where one is asked for.
+
+    Raises:
+        InputError: a second derivative by two numbers that allow but one.
     """
     if _only.get():
         return function(numbers)
     leaves, tree = jax.tree.flatten(numbers)
+    singly = tuple(jax.tree.leaves(once))
     # As JAX's own text, so that the compiler sees which devices the primitive runs on.
     text, shapes = jax.make_jaxpr(lambda *leaves: function(tree.unflatten(leaves)), return_shape=True)(*leaves)
     called = jax.custom_jvp(jaxpr_as_fun(text))
@@ -54,7 +61,10 @@ def by_forward_mode(function: Callable, numbers: Any) -> Any:
     def rule(primals: tuple, tangents: tuple) -> tuple:
         moving = tuple(i for i, tangent in enumerate(tangents) if not isinstance(tangent, SymbolicZero))
         directions = [tangents[i] for i in moving]
-        return called(*primals), _along.bind(*primals, *directions, text=text, moving=moving)
+        again = primals
+        if any(singly[i] for i in moving):
+            again = [_once(x, refusal) if by else x for by, x in zip(singly, primals, strict=True)]
+        return called(*primals), _along.bind(*again, *directions, text=text, moving=moving)
 
     called.defjvp(rule, symbolic_zeros=True)
     return jax.tree.structure(shapes).unflatten(called(*leaves))
@@ -63,6 +73,22 @@ def by_forward_mode(function: Callable, numbers: Any) -> Any:
 #: The derivatives of a function, given as its `text`, along directions of those of its arguments that are `moving`.
 _along = Primitive("derivative_along")
 _along.multiple_results = True
+
+
+def _once(x: jax.Array, refusal: str) -> jax.Array:
+    """Return `x`, which is not to be differentiated by."""
+
+    @jax.custom_jvp
+    def same(x: jax.Array) -> jax.Array:
+        return x
+
+    def rule(primals: tuple, tangents: tuple) -> tuple:
+        if not isinstance(tangents[0], SymbolicZero):
+            raise InputError(refusal)
+        return primals[0], jnp.zeros_like(primals[0])
+
+    same.defjvp(rule, symbolic_zeros=True)
+    return same(x)
 
 
 def _derivatives(*given: jax.Array, text: ClosedJaxpr, moving: tuple[int, ...]) -> list[jax.Array]:
@@ -78,11 +104,17 @@ def _split(given: Any, moving: tuple[int, ...]) -> tuple[list, list]:
     return list(given[:at]), list(given[at:])
 
 
-def _shapes(*given: Any, text: ClosedJaxpr, moving: tuple[int, ...]) -> list:
+def _shapes(*given: Any, text: ClosedJaxpr, **params: Any) -> list:
     return text.out_avals
 
 
-def _transposed(images: list, *given: Any, text: ClosedJaxpr, moving: tuple[int, ...]) -> list:
+def _followed_again(primals: tuple, tangents: tuple, **params: Any) -> tuple:
+    """The derivative of the derivative: by JAX's own rules, along whatever directions there are."""
+    known = [jnp.zeros_like(x) if isinstance(t, ad.Zero) else t for x, t in zip(primals, tangents, strict=True)]
+    return jax.jvp(partial(_derivatives, **params), primals, tuple(known))
+
+
+def _transposed(images: list, *given: Any, moving: tuple[int, ...], **params: Any) -> list:
     primals, directions = _split(given, moving)
     shapes = [direction.aval.shape for direction in directions]
     sizes = [direction.aval.size for direction in directions]
@@ -94,7 +126,7 @@ def _transposed(images: list, *given: Any, text: ClosedJaxpr, moving: tuple[int,
 
     def by_number(k: jax.Array) -> Any:
         axis = (jnp.arange(ends[-1]) == k).astype(directions[0].aval.dtype)
-        changes = _derivatives(*primals, *parts(axis), text=text, moving=moving)
+        changes = _derivatives(*primals, *parts(axis), moving=moving, **params)
         known = [pair for pair in zip(images, changes, strict=True) if not isinstance(pair[0], ad.Zero)]
         return sum(jnp.vdot(image, change) for image, change in known)
 
@@ -123,4 +155,5 @@ _along.def_impl(lambda *given, **params: jax.jit(partial(_derivatives, **params)
 _along.def_abstract_eval(_shapes)
 mlir.register_lowering(_along, mlir.lower_fun(_derivatives, multiple_results=True))
 ad.primitive_transposes[_along] = _transposed
+ad.primitive_jvps[_along] = _followed_again
 batching.primitive_batchers[_along] = _batched

@@ -24,6 +24,7 @@ from raytrace.backends.jax.picture import traced_picture
 from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged
 from raytrace.backends.jax.stored import choices_as_text, stored
 from raytrace.backends.job import Job
+from raytrace.edges.moving import moving_edges
 from raytrace.errors import InputError
 from raytrace.language.control import count
 from raytrace.shader.uniforms import Program, Uniforms
@@ -33,6 +34,12 @@ __all__ = ["Renderer"]
 #: XLA would use half of the width that a vector register of a newer CPU has; and every device has a core of its own, so
 #: that a kernel which is shared among threads only waits for them.
 OPTIONS = {"xla_cpu_prefer_vector_width": 512, "xla_cpu_multi_thread_eigen": False}
+
+#: What is said to whom asks how an edge that moves bends the picture.
+REFUSAL = (
+    "antialias: edges: no second derivative by numbers that move edges, as places, sizes, the camera and, where there "
+    "are shadows, the sun: the first one jumps where an edge passes from pixel to pixel"
+)
 
 #: The most programs of a kind that are held. One takes some 600 of the 65530 memory mappings that Linux lets a process
 #: have. JAX's own caches hold a program for as long as the function lives that it was made of, so each is made of a
@@ -214,7 +221,8 @@ class Renderer:
                 drawn = _traced(self.job, count, self.devices)
                 if self.job.program.antialias == "edges":
                     # Every edge's text is there several times over, which reverse mode takes minutes to compile.
-                    return by_forward_mode(lambda uniforms: drawn(uniforms, mode, row), self.uniforms)
+                    once = moving_edges(self.uniforms, self.job.program)
+                    return by_forward_mode(lambda uniforms: drawn(uniforms, mode, row), self.uniforms, once, REFUSAL)
                 return drawn(self.uniforms, mode, row)
             ready = self.ready
             if ready is None or ready[:2] != (first, count):

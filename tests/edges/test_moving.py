@@ -1,0 +1,74 @@
+"""Second derivatives: right where no edge moves, refused where one does."""
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+import raytrace
+from raytrace.errors import InputError
+from raytrace.scene.sun import sun_angles, sun_direction
+
+SIZE = (32, 18)
+
+
+def brightness(scene, **choices):
+    """The image's mean by the sun's angles, in degrees."""
+
+    def mean(angles):
+        lit = replace(scene, sun=replace(scene.sun, direction=sun_direction(angles[0], angles[1])))
+        return raytrace.render(lit, SIZE, dtype="float64", output="linear", exact_inputs=True, **choices).mean()
+
+    return mean
+
+
+@pytest.fixture(autouse=True)
+def x64():
+    with jax.enable_x64(True):
+        yield
+
+
+def test_by_the_sun_s_elevation_it_is_that_of_supersampled_slopes():
+    """Of the sky, a smooth scene: pixel by pixel, within 5 %."""
+    scene = raytrace.load_scene("skybox")
+    azimuth, elevation = jnp.array(sun_angles(scene.sun.direction))
+
+    def image(elevation, **choices):
+        lit = replace(scene, sun=replace(scene.sun, direction=sun_direction(azimuth, elevation)))
+        return raytrace.render(lit, (64, 36), dtype="float64", output="linear", exact_inputs=True, **choices)
+
+    def slope(elevation, **choices):
+        return jax.jvp(lambda angle: image(angle, **choices), (elevation,), (1.0,))[1]
+
+    found = jax.jit(lambda angle: jax.jvp(lambda angle: slope(angle, antialias="edges"), (angle,), (1.0,))[1])(
+        elevation
+    )
+    supersampled, step = jax.jit(lambda angle: slope(angle, samples=16)), 0.01
+    expected = (supersampled(elevation + step) - supersampled(elevation - step)) / (2 * step)
+    assert np.abs(found - expected).sum() < 0.05 * np.abs(expected).sum()
+
+
+def test_where_an_edge_moves_they_are_refused():
+    scene = raytrace.load_scene("shadows")
+    at = jnp.array(sun_angles(scene.sun.direction))
+    for twice in (jax.hessian, lambda f: jax.jacfwd(jax.jacfwd(f)), lambda f: jax.jacrev(jax.jacrev(f))):
+        with pytest.raises(InputError, match="edges: no second derivative") as refused:
+            jax.make_jaxpr(twice(brightness(scene, antialias="edges")))(at)
+        assert "\n" not in str(refused.value)
+
+
+def test_colours_bend_what_edges_do_not():
+    """Once by a sphere's size and once by the sun's colour, in a scene without shadows."""
+    scene = raytrace.load_scene("lit-sphere")
+
+    def mean(radius, color):
+        bodies = replace(scene.spheres, radius=scene.spheres.radius + radius)
+        lit = replace(scene, spheres=bodies, sun=replace(scene.sun, color=color))
+        return raytrace.render(lit, SIZE, dtype="float64", antialias="edges", exact_inputs=True).mean()
+
+    mixed = jax.jacfwd(jax.grad(mean), argnums=1)
+    assert jax.eval_shape(mixed, jnp.float64(0), jnp.ones(3)).shape == (3,)
+    with pytest.raises(InputError, match="edges: no second derivative"):
+        jax.eval_shape(jax.hessian(mean), jnp.float64(0), jnp.ones(3))
