@@ -149,11 +149,11 @@ def edges(uniforms: Uniforms, program: Program, ro: Vec3, rd: Vec3, seen: Steps)
 
     And of the smallest sphere there the radius and the middle (x, y), in pixels from that of the pixel.
     """
-    start, ray, ro, rd = halves(ro), halves(rd), values(ro), values(rd)
-    surface = on_surface(ray, start, rd, seen)
+    start, ray = halves(ro), halves(rd)
+    surface = on_surface(ray, start, values(rd), seen)
     reach = surface.reach()
     found = silhouettes(uniforms, ro, rd, start, ray, reach, seen)
-    number = found.number + planes(uniforms, ray, rd, surface, seen)
+    number = found.number + planes(uniforms, ray, values(rd), surface, seen)
     if program.lighting != "off" and uniforms.spheres is not None:
         # Where the surface turns within the pixel the light on it is of many kinds.
         radius = at(uniforms.spheres.radius, seen.index)
@@ -190,7 +190,9 @@ def silhouettes(
 ) -> Silhouettes:
     """The silhouettes of spheres, and where spheres meet the surface that is seen."""
 
+    # The rays are jets, so that an engine finds what the pixel sees, and not its middle alone.
     def body(found, i, sphere, ro, rd, start, ray, reach, t, index, point):
+        ro, rd = values(ro), values(rd)
         center = sphere.center - ro
         b = dot(center, rd)
         beside = center - b * rd
@@ -201,7 +203,8 @@ def silhouettes(
         outside = dot(center, center) > sphere.radius * sphere.radius
         outline = ahead & outside & crosses(dot(beside, beside), sphere.radius, width)
         apart = point - sphere.center
-        meets = (index >= 0) & (index != i) & crosses(dot(apart, apart), sphere.radius, reach)
+        seen = dot(beside, beside) <= (sphere.radius + width) * (sphere.radius + width)
+        meets = seen & (index >= 0) & (index != i) & crosses(dot(apart, apart), sphere.radius, reach)
         number = found.number + weight(outline, sphere.radius, width) + weight(meets, sphere.radius, reach)
         right, down = (maximum(dot(half, half), smallest_divisor(b)) for half in moved)
         size = sphere.radius / (2 * sqrt(minimum(right, down)))
@@ -209,7 +212,7 @@ def silhouettes(
         smaller = outline & (size < found.size)
         return Silhouettes(number, *select(smaller, (size, *place), (found.size, found.x, found.y)))
 
-    zero = constant(0, rd.x)
+    zero = constant(0, values(rd.x))
     nothing = Silhouettes(constant(0, seen.index), constant(1, zero), zero, zero)
     return each(uniforms.spheres, body, nothing, ro, rd, start, ray, reach, seen.t, seen.index, seen.hitPoint)
 
@@ -272,7 +275,7 @@ def shadow_edges(uniforms: Uniforms, program: Program, L: Vec3, surface: Footpri
 
     def sent(reach, point, index):
         def body(found, i, sphere, ro, rd, reach, index):
-            center = sphere.center - ro
+            center = sphere.center - values(ro)
             b = dot(center, rd)
             across = center - b * rd
             edge = (b > -reach) & crosses(dot(across, across), sphere.radius, reach)
@@ -288,4 +291,5 @@ def shadow_edges(uniforms: Uniforms, program: Program, L: Vec3, surface: Footpri
 
     reach = Footprint(*map(beside, surface)).reach()
     start = seen.hitPoint + SHADOW_OFFSET * seen.N if program.shadow_start == "offset" else seen.hitPoint
+    start = Vec3(*(Jet(x, 2 * right, 2 * down) for x, right, down in zip(start, *surface, strict=True)))
     return branch(lit, sent, not_sent, reach, start, seen.index)
