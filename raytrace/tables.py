@@ -23,6 +23,8 @@ def plain(value: Any) -> Any:
     """Return a value as plain types that strict JSON holds: a named tuple as a dict; what is not finite as a text."""
     if hasattr(value, "_asdict"):
         return {name: plain(part) for name, part in value._asdict().items()}
+    if isinstance(value, dict):
+        return {name: plain(part) for name, part in value.items()}
     if isinstance(value, tuple):
         return [plain(part) for part in value]
     if isinstance(value, float) and not isfinite(value):

@@ -4,7 +4,7 @@ import json
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -162,7 +162,7 @@ def gradients(
             found.setdefault(parameter, {})[name] = of
             advance(1)
     if as_json:
-        print(json.dumps(_plain(found), indent=1, allow_nan=False))
+        print(json.dumps(plain(found), indent=1, allow_nan=False))
         return
     print(table(found))
     out = misses(found)
@@ -175,8 +175,3 @@ def _names_of(known: Iterable[str], chosen: list[str] | None) -> list[str]:
     for name in chosen or ():
         check_choice("world", name, known)
     return list(dict.fromkeys(chosen)) if chosen else list(known)
-
-
-def _plain(found: Any) -> Any:
-    """Named tuples as dicts, at any depth."""
-    return {key: _plain(value) for key, value in found.items()} if isinstance(found, dict) else plain(found)

@@ -203,8 +203,8 @@ def silhouettes(
         outside = dot(center, center) > sphere.radius * sphere.radius
         outline = ahead & outside & crosses(dot(beside, beside), sphere.radius, width)
         apart = point - sphere.center
-        seen = dot(beside, beside) <= (sphere.radius + width) * (sphere.radius + width)
-        meets = seen & (index >= 0) & (index != i) & crosses(dot(apart, apart), sphere.radius, reach)
+        passed = dot(beside, beside) <= (sphere.radius + width) * (sphere.radius + width)
+        meets = passed & (index >= 0) & (index != i) & crosses(dot(apart, apart), sphere.radius, reach)
         number = found.number + weight(outline, sphere.radius, width) + weight(meets, sphere.radius, reach)
         right, down = (maximum(dot(half, half), smallest_divisor(b)) for half in moved)
         size = sphere.radius / (2 * sqrt(minimum(right, down)))

@@ -9,7 +9,7 @@ import pytest
 
 import raytrace
 from raytrace.errors import InputError
-from raytrace.scene.sun import sun_angles, sun_direction
+from raytrace.scene.sun import lit_from, sun_angles, sun_direction
 
 SIZE = (32, 18)
 
@@ -18,7 +18,7 @@ def brightness(scene, **choices):
     """The image's mean by the sun's angles, in degrees."""
 
     def mean(angles):
-        lit = replace(scene, sun=replace(scene.sun, direction=sun_direction(angles[0], angles[1])))
+        lit = lit_from(scene, sun_direction(angles[0], angles[1]))
         return raytrace.render(lit, SIZE, dtype="float64", output="linear", exact_inputs=True, **choices).mean()
 
     return mean
@@ -36,7 +36,7 @@ def test_by_the_sun_s_elevation_it_is_that_of_supersampled_slopes():
     azimuth, elevation = jnp.array(sun_angles(scene.sun.direction))
 
     def image(elevation, **choices):
-        lit = replace(scene, sun=replace(scene.sun, direction=sun_direction(azimuth, elevation)))
+        lit = lit_from(scene, sun_direction(azimuth, elevation))
         return raytrace.render(lit, (64, 36), dtype="float64", output="linear", exact_inputs=True, **choices)
 
     def slope(elevation, **choices):
