@@ -102,18 +102,21 @@ def outside(bounds: Extent, region: Region) -> Array:
 class Pencil(NamedTuple):
     """Rays from `apex`; `x`, `y`, `z` are the rows of the inverse of the matrix (x, y, 1) -> direction.
 
-    So a direction's coordinates are those of its pixel, in [-1, 1].
+    So a direction's coordinates are those of its pixel, in [-1, 1]. lengths: those of the longer of `x` and `y`, and of
+    `z`.
     """
 
     apex: Vec3
     x: Vec3
     y: Vec3
     z: Vec3
+    lengths: tuple[Array, Array]
 
     def coordinates(self, ro: Vec3, rd: Vec3, quadratic: bool) -> Coordinates:
         forward = dot(self.z, rd)
         u, v = dot(self.x, rd) / forward, dot(self.y, rd) / forward
-        widest = maximum(_length(self.x), _length(self.y)) + maximum(abs(u), abs(v)) * _length(self.z)
+        across, along = self.lengths
+        widest = across + maximum(abs(u), abs(v)) * along
         error = SLACK * _epsilon(u) * widest / forward
         none = constant(0, u)
         return Coordinates.of(u, v, none, select(forward > 0, error, inf), none)
@@ -126,7 +129,7 @@ class Pencil(NamedTuple):
         grown = _sqrt(radius * radius + slack * distance * distance)
         extra = slack * (distance + radius + _size(spheres.center) + _size(self.apex))
         reach = (grown if quadratic else radius) + extra
-        forward, flat = dot(self.z, center), _length(self.z)
+        forward, flat = dot(self.z, center), self.lengths[1]
         depth = forward - reach * flat
 
         def interval(axis: Vec3) -> tuple[Array, Array]:
@@ -190,7 +193,7 @@ def pencil(camera: Camera) -> Pencil:
     volume = dot(a, rows[0])
     volume = select(abs(volume) > FLATTEST, volume, nan)
     x, y, z = (row / (volume * length) for row, length in zip(rows, lengths, strict=True))
-    return Pencil(camera.view_to_world.w.xyz, x, y, z)
+    return Pencil(camera.view_to_world.w.xyz, x, y, z, (maximum(_length(x), _length(y)), _length(z)))
 
 
 def beam(direction: Vec3) -> Beam:

@@ -33,8 +33,12 @@ class Engine:
     def each(self, items: Any, body: Callable, start: Any, args: tuple, unroll: bool) -> Any:
         state = start
         for i in range(count(items)):
-            state = body(state, i, tree_map(lambda leaf, i=i: leaf[i], items), *args)
+            state = body(state, i, self.item(items, i), *args)
         return state
+
+    def item(self, items: Any, i: Any) -> Any:
+        """Return item `i`, one number for all pixels."""
+        return tree_map(lambda leaf: leaf[i], items)
 
     def at(self, items: Any, index: Array) -> Any:
         # The standard's `take` has one-dimensional indices, all of which exist.

@@ -11,6 +11,7 @@ import pytest
 import raytrace
 from raytrace.backends.jax.choice import _without_its_warning, engine_of, platform_of
 from raytrace.backends.jax.kernel import Images, Kernels, Where, draw_by_kernel, prepared
+from raytrace.backends.jax.packing import Parts
 from raytrace.backends.jax.renderer import _compiled
 from raytrace.backends.jax.staged import Staged
 from raytrace.rendering import Options, Rendering
@@ -159,13 +160,14 @@ def test_the_kernel_can_be_lowered_for_a_gpu(scene):
     """Pallas knows every operation of the text: what it does not know fails here and not on a GPU."""
     renderer = Rendering(Options(scene, SIZE, output="steps")).renderer
     images = Images(renderer.job, SIZE[1], SIZE[0], Kernels())
+    layout, numbers, _ = renderer.prepared()
 
     def drawn(numbers):
-        uniforms = renderer.layout.unpack(numbers)
+        uniforms, _ = Parts(layout, numbers).structure
         return draw_by_kernel(images, uniforms, prepared(uniforms, renderer.job.program), Where(0, 0, 0))
 
     with _without_its_warning(), a_gpu():
-        lowered = jax.jit(drawn).trace(jnp.asarray(renderer.numbers)).lower(lowering_platforms=("cuda",))
+        lowered = jax.jit(drawn).trace(numbers).lower(lowering_platforms=("cuda",))
     assert "triton" in lowered.as_text()
 
 

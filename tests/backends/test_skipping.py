@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import hypothesis
 import jax
-import jax.numpy as jnp
 import numpy as np
 import pytest
 from hypothesis import strategies as st
@@ -233,13 +232,15 @@ def primitives(scene, size=(32, 18)):
                 if hasattr(inner, "eqns"):
                     count(inner)
 
-    from raytrace.backends.jax.draw import draw
+    from raytrace.backends.jax.draw import Given, draw
+
+    layout, numbers, culled = renderer.prepared()
 
     def program_text(numbers, mode, first):
-        uniforms = renderer.layout.unpack(numbers)
-        return draw(renderer.job, renderer.engine, size[1], renderer.devices, False, uniforms, None, mode, first)
+        given = Given(numbers, culled)
+        return draw(renderer.job, renderer.engine, size[1], renderer.devices, layout, given, mode, first)
 
-    count(jax.make_jaxpr(program_text)(jnp.asarray(renderer.numbers), np.int32(0), np.int32(0)).jaxpr)
+    count(jax.make_jaxpr(program_text)(numbers, np.int32(0), np.int32(0)).jaxpr)
     return counts
 
 

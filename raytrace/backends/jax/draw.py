@@ -1,6 +1,6 @@
 """The program that draws: from uniforms to pictures, on one device or several, by whichever engine."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -10,6 +10,7 @@ from jax.sharding import Mesh, PartitionSpec
 from raytrace.backends.jax.devices import AXIS
 from raytrace.backends.jax.engines import Fused
 from raytrace.backends.jax.kernel import Images, Kernels, Where, draw_by_kernel, prepared
+from raytrace.backends.jax.packing import Layout, Parts
 from raytrace.backends.jax.staged import SEARCHED, Culling, Staged, culling
 from raytrace.backends.jax.tiles import Tiles
 from raytrace.backends.job import Job
@@ -19,7 +20,7 @@ from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import Program, Uniforms
 
-__all__ = ["draw", "draw_part", "prepare_spheres", "tiles_of", "trimmed"]
+__all__ = ["Given", "draw", "draw_part", "prepare_spheres", "tiles_of", "trimmed"]
 
 #: Images by name.
 Drawn = dict[str, jax.Array]
@@ -32,32 +33,39 @@ def prepare_spheres(engine: Any, uniforms: Uniforms, program: Program) -> Cullin
     return culling(uniforms, program) if isinstance(engine, Staged) else None
 
 
-def draw(
-    job: Job,
-    engine: Any,
-    rows: int,
-    devices: Mesh,
-    differentiated: bool,
-    uniforms: Uniforms,
-    culled: Culling | None,
-    mode: Any,
-    first: Any,
-) -> Drawn:
-    """The steps that the job keeps, for `rows` rows from row `first` on: arrays (rows, width[, components]).
+class Given(NamedTuple):
+    """A scene as the program is given it.
 
-    engine: what `raytrace.backends.jax.choice.engine_of` gives. culled: what `prepare_spheres` gives, or ``None`` to
-    have it computed here. mode: 0, or 1 to skip nothing. differentiated: whether JAX is to differentiate the pictures.
+    uniforms: a structure `Uniforms`; or with `layout` one array of all its numbers and, where there are few spheres, of
+    what is prepared of them: a structure (uniforms, culled). culled: what `prepare_spheres` gives of many spheres.
     """
-    if culled is None:
-        culled = prepare_spheres(engine, uniforms, job.program)
+
+    uniforms: Any
+    culled: Culling | None
+
+
+def draw(
+    job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout | None, given: Given, mode: Any, first: Any
+) -> Drawn:
+    """Return the steps that the job keeps, for `rows` rows from row `first` on: arrays (rows, width[, components]).
+
+    engine: what `raytrace.backends.jax.choice.engine_of` gives. layout: of `given`; ``None`` where JAX may
+    differentiate the pictures. mode: 0, or 1 to skip nothing.
+    """
+    if layout is None and given.culled is None:
+        given = given._replace(culled=prepare_spheres(engine, given.uniforms, job.program))
     # Each device has some columns of every row, which share the sky and the ground about equally.
     columns = -(-job.frame.width // devices.size)
 
-    def part(device: jax.Array, uniforms: Uniforms, culled: Culling | None, mode: Any, first: Any) -> Drawn:
-        where = Where(mode, first, device[0] * columns)
-        return draw_part(job, engine, rows, columns, uniforms, culled, where, differentiated)
+    def part(device: jax.Array, given: Given, mode: Any, first: Any) -> Drawn:
+        where, parts = Where(mode, first, device[0] * columns), None
+        if layout is not None:
+            parts = Parts(layout, given.uniforms)
+            uniforms, culled = parts.structure
+            given = Given(uniforms, given.culled if culled is None else culled)
+        return draw_part(job, engine, rows, columns, given, where, layout is None, parts)
 
-    numbers, args = jnp.arange(devices.size, dtype=jnp.int32), (uniforms, culled, mode, first)
+    numbers, args = jnp.arange(devices.size, dtype=jnp.int32), (given, mode, first)
     if devices.size > 1:
         everyone = jax.tree.map(lambda _: PartitionSpec(), args)
         part = jax.shard_map(
@@ -85,23 +93,26 @@ def draw_part(
     engine: Any,
     rows: int,
     columns: int,
-    uniforms: Uniforms,
-    culled: Culling | None,
+    given: Given,
     where: Where,
     differentiated: bool,
+    parts: Parts | None = None,
 ) -> Drawn:
-    """Return `rows` x `columns` pixels from a row and column on: arrays (rows, columns, components)."""
+    """Return `rows` x `columns` pixels from a row and column on: arrays (rows, columns, components).
+
+    parts: the scene's numbers, where they are one array. differentiated: whether JAX may differentiate the pictures.
+    """
     if isinstance(engine, Kernels):
-        drawn = draw_by_kernel(Images(job, rows, columns, engine), uniforms, culled, where)
+        drawn = draw_by_kernel(Images(job, rows, columns, engine), given.uniforms, given.culled, where)
         return dict(zip(job.keep, drawn, strict=True))
     mode = jnp.asarray(where.mode)
     # A division by a constant would be compiled to a product with the constant's inverse, which is rounded once more.
     one = (mode >= 0).astype(job.dtype)
     frame = job.frame._replace(width=job.frame.width * one, height=job.frame.height * one)
     if isinstance(engine, Fused):
-        return _whole(job, engine, frame, rows, columns, uniforms, where)
+        return _whole(job, engine, frame, rows, columns, given.uniforms, where)
     tiles = tiles_of(engine, job, rows, columns)
-    images = _tiled(job, engine, frame, tiles, uniforms, culled, where, differentiated)
+    images = _tiled(job, engine, frame, tiles, given, where, differentiated, parts)
     return {name: image[:, :columns] for name, image in images.items()} if tiles.width > columns else images
 
 
@@ -133,29 +144,29 @@ def _tiled(
     engine: Any,
     frame: Frame,
     tiles: Tiles,
-    uniforms: Uniforms,
-    culled: Culling | None,
+    given: Given,
     where: Where,
     differentiated: bool,
+    parts: Parts | None,
 ) -> Drawn:
     """A tile after another: arrays (rows, columns, components) of all `tiles`."""
 
     def tile(row: jax.Array, column: jax.Array) -> Drawn:
         at = engine
-        if isinstance(engine, Staged) and culled is not None:
-            at = engine.at_block(job.program, culled, where.mode, differentiated)
+        if isinstance(engine, Staged) and given.culled is not None:
+            at = engine.at_block(job.program, given.culled, where.mode, differentiated, parts)
         rows, columns = tiles.pixels(row + where.first_row, column + where.first_column)
         with running(at):
             # In a step of its own, so that no other kernel counts the pixels again.
             x, y = at.step(_floats, (columns, rows, jnp.zeros((), job.dtype)))
-            steps = pixels(uniforms, job.program, x, y, frame, job.keep)
+            steps = pixels(given.uniforms, job.program, x, y, frame, job.keep)
 
         def images(steps: Any) -> Drawn:
             return {name: _interleaved(getattr(steps, name), tiles) for name in job.keep}
 
         return at.step(images, (steps,))
 
-    return tiles.map(tile, kept=SEARCHED) if differentiated else tiles.draw(tile)
+    return tiles.map(tile, kept=SEARCHED) if differentiated else tiles.draw(tile, parts)
 
 
 def _floats(column: jax.Array, row: jax.Array, like: jax.Array) -> tuple[jax.Array, jax.Array]:

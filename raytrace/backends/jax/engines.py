@@ -14,6 +14,7 @@ import jax.numpy as jnp
 from jax import lax
 
 from raytrace.backends.jax import elementary
+from raytrace.backends.jax.packing import Parts
 from raytrace.backends.jax.traced import traced
 from raytrace.language.control import Engine, count
 from raytrace.language.glsl import select
@@ -43,7 +44,7 @@ class OneProgram(Engine):
             loop_items, loop_args = items, args
 
         def turn(i, state):
-            return body(state, i, jax.tree.map(lambda leaf: leaf[i], loop_items), *loop_args)
+            return body(state, i, self.item(loop_items, i), *loop_args)
 
         shape = jax.eval_shape(lambda state: turn(0, state), start)
         state = lax.fori_loop(0, count(items), lambda i, state: shaped(turn(i, state), shape), shaped(start, shape))
@@ -66,9 +67,9 @@ class OneProgram(Engine):
     def at(self, items: Any, index: jax.Array) -> Any:
         if count(items) > self.few:
             return jax.tree.map(lambda leaf: jnp.take(leaf, index, mode="clip"), items)
-        chosen = jax.tree.map(lambda leaf: leaf[0], items)
+        chosen = self.item(items, 0)
         for i in range(1, count(items)):
-            chosen = select(index == i, jax.tree.map(lambda leaf, i=i: leaf[i], items), chosen)
+            chosen = select(index == i, self.item(items, i), chosen)
         return chosen
 
     def detach(self, x: jax.Array) -> jax.Array:
@@ -104,11 +105,12 @@ class Attentive(OwnFunctions):
     """An engine that knows which pixels are of interest, made anew in each trace: it holds what that trace computes.
 
     quadratic: whether the textbook's formula is computed. everything: whether nothing is skipped: then all branches are
-    computed and all lists are full. The bits are the same.
+    computed and all lists are full. The bits are the same. parts: the scene's numbers, where they are one array.
     """
 
     quadratic: bool
     everything: Any
+    parts: Parts | None = None
     #: The pixels of interest within the contexts that are entered, the innermost last; ``None`` for all.
     contexts: list[jax.Array | None] = field(default_factory=lambda: [None])
 
@@ -141,12 +143,34 @@ class Attentive(OwnFunctions):
         sides = []
         for taken, function in ((condition, then), (~condition, other)):
             with self.among(taken) as active:
-                sides.append((self.some(active) | self.everything, *traced(function, *args)))
+                sides.append((self.some(active) | self.everything, *self.body(function, args)))
         shapes = jax.tree.map(
             lambda a, b: jax.ShapeDtypeStruct(jnp.broadcast_shapes(condition.shape, a.shape, b.shape), a.dtype),
-            *(shapes for _, _, shapes in sides),
+            *(shapes for *_, shapes in sides),
         )
-        return select(condition, *(computed_if(needed, side, shapes, args) for needed, side, _ in sides))
+        return select(condition, *(computed_if(needed, side, shapes, planes) for needed, side, planes, _ in sides))
+
+    def item(self, items: Any, i: Any) -> Any:
+        parts = self.parts
+        if parts is None or not isinstance(i, int):
+            return super().item(items, i)
+        return jax.tree.map(lambda leaf: parts.item(leaf, i), items)
+
+    def body(self, function: Callable, args: tuple) -> tuple[Callable, list[jax.Array], Any]:
+        """Return `function` as a function of planes, those planes, and the shapes of what it gives.
+
+        Whatever of `args` is no array, or is a part of the scene's numbers, it closes over.
+        """
+        leaves, tree = jax.tree.flatten(args, is_leaf=lambda part: not isinstance(part, tuple))
+        closed = [not isinstance(leaf, jax.Array) or (self.parts is not None and leaf in self.parts) for leaf in leaves]
+
+        def of_planes(*planes: jax.Array) -> Any:
+            given = iter(planes)
+            return function(*tree.unflatten(x if kept else next(given) for x, kept in zip(leaves, closed, strict=True)))
+
+        planes = [leaf for leaf, kept in zip(leaves, closed, strict=True) if not kept]
+        run, shapes = traced(of_planes, *planes, parts=self.parts)
+        return run, planes, shapes
 
 
 def any_of(mask: jax.Array) -> jax.Array:

@@ -120,7 +120,7 @@ class Kernel(Attentive):
             return super().each(items, body, start, args, unroll)
 
         def turn(i: jax.Array, state: Any) -> Any:
-            return shaped(body(state, i, jax.tree.map(lambda leaf: leaf[i], items), *args), planes)
+            return shaped(body(state, i, self.item(items, i), *args), planes)
 
         return lax.fori_loop(0, count(items), turn, shaped(start, planes))
 
@@ -164,9 +164,9 @@ class _Loop(Loop):
 
         def of_large(k: jax.Array, state: Any) -> Any:
             i = large[k]
-            return self.turn(i, jax.tree.map(lambda leaf: leaf[i], self.spheres), state)
+            return self.turn(i, self.engine.item(self.spheres, i), state)
 
-        state = self.while_needed(lambda _: grid.large, active, of_large, state)
+        state = self.while_needed(lambda _: grid.large, active, lambda k: k, of_large, state)
         return self.in_cells(grid, where, active, state)
 
 

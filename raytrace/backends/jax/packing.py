@@ -1,4 +1,4 @@
-"""A scene's uniforms as one array: JAX is handed one thing instead of a hundred."""
+"""A scene's numbers as one array: JAX is handed one thing instead of a hundred."""
 
 import math
 from typing import Any, NamedTuple
@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-__all__ = ["Layout", "pack"]
+__all__ = ["Layout", "Parts", "pack"]
 
 
 class Layout(NamedTuple):
@@ -19,16 +19,61 @@ class Layout(NamedTuple):
     def size(self) -> int:
         return sum(map(math.prod, self.shapes))
 
-    def unpack(self, numbers: jax.Array) -> Any:
-        """The structure whose leaves are the parts of `numbers`, an array (size,)."""
-        ends = np.cumsum([math.prod(shape) for shape in self.shapes])
-        return self.tree.unflatten(
-            numbers[end - math.prod(shape) : end].reshape(shape) for end, shape in zip(ends, self.shapes, strict=True)
-        )
+
+class Parts:
+    """A structure whose leaves are the parts of `numbers`, an array (size,)."""
+
+    def __init__(self, layout: Layout, numbers: Any):
+        self._numbers = numbers
+        sizes = [math.prod(shape) for shape in layout.shapes]
+        starts = [sum(sizes[:k]) for k in range(len(sizes))]
+        self._places = list(zip(starts, sizes, layout.shapes, strict=True))
+        self._leaves = list(map(self._part, self._places))
+        self._by_id = {id(leaf): place for leaf, place in zip(self._leaves, self._places, strict=True)}
+        self.structure = layout.tree.unflatten(self._leaves)
+
+    def _part(self, place: tuple[int, int, tuple[int, ...]]) -> Any:
+        start, size, shape = place
+        return self._numbers[start : start + size].reshape(shape)
+
+    def __contains__(self, x: Any) -> bool:
+        return id(x) in self._by_id
+
+    def item(self, x: Any, i: int) -> Any:
+        """Return ``x[i]`` of an array of shape (n,); of one of the leaves as a part that `here` knows."""
+        if x not in self:
+            return x[i]
+        start, _, _ = self._by_id[id(x)]
+        place = start + i, 1, ()
+        self._leaves.append(self._part(place))
+        self._by_id[id(self._leaves[-1])] = place
+        return self._leaves[-1]
+
+    def column(self, items: list[Any], i: Any) -> Any:
+        """Return ``x[i]`` of each of `items` as an array, which one kernel reads; ``None`` if they are no such leaves.
+
+        items: arrays (n,). i: a whole number of shape (), which exists.
+        """
+        if not all(x in self for x in items):
+            return None
+        start, n, _ = self._by_id[id(items[0])]
+        if any(self._by_id[id(x)] != (start + k * n, n, (n,)) for k, x in enumerate(items)):
+            return None
+        table = self._numbers[start : start + len(items) * n].reshape(len(items), n)
+        return jax.lax.dynamic_index_in_dim(table, i, axis=1, keepdims=False, allow_negative_indices=False)
+
+    def here(self, x: Any) -> Any:
+        """Return `x`; if it is one of the leaves, as a part that is taken where this is called.
+
+        What is taken outside of a body of control flow is a kernel by itself, which is compiled and run. Taken within,
+        it is a part of the kernel that reads it.
+        """
+        place = self._by_id.get(id(x))
+        return x if place is None else self._part(place)
 
 
 def pack(structure: Any, dtype: str) -> tuple[np.ndarray, Layout]:
-    """All numbers of `structure` in one array, and how to have them back."""
+    """Return all numbers of `structure` in one array, and what stands where."""
     leaves, tree = jax.tree.flatten(structure)
     leaves = [np.asarray(leaf, dtype) for leaf in leaves]
     return np.concatenate([leaf.reshape(-1) for leaf in leaves]), Layout(tree, tuple(leaf.shape for leaf in leaves))

@@ -18,7 +18,7 @@ from jax.extend.core import Primitive
 from jax.interpreters import batching, mlir
 
 from raytrace.backends.jax.choice import engine_of, or_fused
-from raytrace.backends.jax.draw import draw_part, prepare_spheres
+from raytrace.backends.jax.draw import Given, draw_part, prepare_spheres
 from raytrace.backends.jax.kernel import MANY, Where
 from raytrace.backends.job import Job
 from raytrace.language.control import count
@@ -57,8 +57,8 @@ def _drawn(engine: Any, differentiated: bool, *operands: Any, job: Job, rows: in
     """The images of uniforms without a batch. operands: the uniforms' leaves, the mode, the first row."""
     *leaves, mode, first = operands
     uniforms, where = tree.unflatten(leaves), Where(mode, first, 0)
-    culled = prepare_spheres(engine, uniforms, job.program)
-    images = draw_part(job, engine, rows, job.frame.width, uniforms, culled, where, differentiated)
+    given = Given(uniforms, prepare_spheres(engine, uniforms, job.program))
+    images = draw_part(job, engine, rows, job.frame.width, given, where, differentiated)
     return [images[name] for name in job.keep]
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.core
@@ -16,12 +16,12 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from raytrace.backends.jax.choice import engine_of, or_fused, platform_of
 from raytrace.backends.jax.devices import check_devices, fetched, hint_at_cores, mesh, one_device, x64_mode
-from raytrace.backends.jax.draw import draw, prepare_spheres, trimmed
+from raytrace.backends.jax.draw import Given, draw, prepare_spheres, trimmed
 from raytrace.backends.jax.forward import by_forward_mode
-from raytrace.backends.jax.kernel import Kernels
-from raytrace.backends.jax.packing import Layout, pack
+from raytrace.backends.jax.kernel import MANY, Kernels
+from raytrace.backends.jax.packing import Layout, Parts, pack
 from raytrace.backends.jax.picture import traced_picture
-from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged
+from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, without_grids
 from raytrace.backends.jax.stored import choices_as_text, stored
 from raytrace.backends.job import Job
 from raytrace.edges.moving import moving_edges
@@ -41,6 +41,9 @@ REFUSAL = (
     "are shadows, the sun: the first one jumps where an edge passes from pixel to pixel"
 )
 
+#: With more spheres than this a program of its own prepares them.
+FEW: dict[type, int] = {Staged: MANY_FOR_SHADOW, Kernels: MANY}
+
 #: The most programs of a kind that are held. One takes some 600 of the 65530 memory mappings that Linux lets a process
 #: have. JAX's own caches hold a program for as long as the function lives that it was made of, so each is made of a
 #: function of its own, and goes with it.
@@ -53,7 +56,7 @@ def _traced(job: Job, rows: int, devices: Mesh) -> Callable:
     platform = platform_of(devices.devices.flat[0])
 
     def by(engine: Any, uniforms: Uniforms, mode: Any, first: Any) -> dict[str, jax.Array]:
-        return draw(job, engine, rows, devices, True, uniforms, None, mode, first)
+        return draw(job, engine, rows, devices, None, Given(uniforms, None), mode, first)
 
     def as_picture(uniforms: Uniforms, mode: Any, first: Any) -> dict[str, jax.Array]:
         return trimmed(job, traced_picture(job, rows, uniforms, mode, first))
@@ -79,7 +82,8 @@ def _culled(program: Program, engine: Any, layout: Layout) -> Callable:
 
     @partial(jax.jit, compiler_options=OPTIONS)
     def culled(numbers: jax.Array) -> Culling | None:
-        return prepare_spheres(engine, layout.unpack(numbers), program)
+        uniforms, _ = Parts(layout, numbers).structure
+        return prepare_spheres(engine, uniforms, program)
 
     return culled
 
@@ -100,12 +104,12 @@ def _compiled(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, c
 
     def by(engine: Any) -> Any:
         def drawn(numbers: jax.Array, culled: Any, mode: Any, first: Any) -> dict[str, jax.Array]:
-            return draw(job, engine, rows, devices, False, layout.unpack(numbers), culled, mode, first)
+            return draw(job, engine, rows, devices, layout, Given(numbers, culled), mode, first)
 
         return jax.jit(drawn, compiler_options=OPTIONS).lower(numbers, culled, *scalars).compile()
 
     def compiled() -> Any:
-        uniforms = layout.tree.unflatten(given(shape, job.dtype) for shape in layout.shapes)
+        uniforms, _ = layout.tree.unflatten(given(shape, job.dtype) for shape in layout.shapes)
         return or_fused(job, engine, count(uniforms.spheres), by)
 
     return stored(_name(job, engine, rows, devices, layout, culled), list(devices.devices.flat), compiled)
@@ -190,10 +194,7 @@ class Renderer:
         if self.traced:
             self.uniforms = jax.tree.map(partial(_given, dtype=job.dtype, exact=job.exact_inputs), uniforms)
         else:
-            rounded = jax.tree.map(partial(_rounded, exact=job.exact_inputs), uniforms)
-            self.numbers, self.layout = pack(rounded, job.dtype)
-            most = {Staged: MANY_FOR_SHADOW, Kernels: 0}.get(type(self.engine))
-            self.prepares = most is not None and count(uniforms.spheres) > most
+            self.uniforms = jax.tree.map(partial(_rounded, exact=job.exact_inputs), uniforms)
 
     def about(self) -> dict[str, str]:
         device = self.devices.devices.flat[0]
@@ -202,12 +203,13 @@ class Renderer:
     def prepare(self) -> None:
         """Prepare the scene, unless it was the last one that was prepared, and wait for it. `draw` does so too."""
         with self._outside():
-            jax.block_until_ready(self._prepared())
+            prepared = self.prepared()
+            jax.block_until_ready((prepared.numbers, prepared.culled))
 
     def executable(self, count: int) -> Any:
         """Return the compiled program for `count` rows at a time (`jax.stages.Compiled`), which `draw` runs."""
         with self._outside():
-            return self._program(count, self._prepared())
+            return self._program(count, self.prepared())
 
     def compile(self, count: int) -> None:
         """Compile the program for `count` rows at a time, which `draw` does otherwise."""
@@ -226,8 +228,8 @@ class Renderer:
                 return drawn(self.uniforms, mode, row)
             ready = self.ready
             if ready is None or ready[:2] != (first, count):
-                prepared = self._prepared()
-                given = *prepared, *jax.device_put((mode, row), self._everywhere())
+                prepared = self.prepared()
+                given = prepared.numbers, prepared.culled, *jax.device_put((mode, row), self._everywhere())
                 ready = self.ready = first, count, self._program(count, prepared), given
             _, _, program, given = ready
             images = program(*given)
@@ -235,20 +237,20 @@ class Renderer:
             whole = self.borrows_x64 or jax.process_count() > 1
             return jax.tree.map(fetched, images) if whole else images
 
-    def _prepared(self) -> tuple[jax.Array, Culling | None]:
-        """The uniforms, and with many spheres what is prepared of them, on all devices."""
-        job, content = self.job, self.numbers.tobytes()
-        return _kept(job.program, job.dtype, self.engine, self.layout, content, self.prepares, self._everywhere())
+    def prepared(self) -> "Prepared":
+        """Return the uniforms, and what is prepared of the spheres, on all devices."""
+        numbers, layout = pack((self.uniforms, None), self.job.dtype)
+        return _kept(self.job.program, self.job.dtype, self.engine, layout, numbers.tobytes(), self._everywhere())
 
     def _everywhere(self) -> NamedSharding:
         return NamedSharding(self.devices, PartitionSpec())
 
-    def _program(self, rows: int, prepared: tuple) -> Callable:
-        _, culled = prepared
+    def _program(self, rows: int, prepared: "Prepared") -> Callable:
+        culled = prepared.culled
         if culled is not None:
             leaves, tree = jax.tree.flatten(culled)
             culled = tree, tuple((leaf.shape, leaf.dtype) for leaf in leaves)
-        return _compiled(self.job, self.engine, rows, self.devices, self.layout, culled)
+        return _compiled(self.job, self.engine, rows, self.devices, prepared.layout, culled)
 
     @contextmanager
     def _outside(self) -> Iterator[None]:
@@ -262,17 +264,32 @@ class Renderer:
             yield
 
 
+class Prepared(NamedTuple):
+    """A scene on the devices: its numbers, with what is prepared of few spheres; and what is prepared of many."""
+
+    layout: Layout
+    numbers: jax.Array
+    culled: Culling | None
+
+
 @lru_cache(maxsize=1)
 def _kept(
-    program: Program, dtype: str, engine: Any, layout: Layout, content: bytes, many: bool, everywhere: NamedSharding
-) -> tuple[jax.Array, Culling | None]:
-    """What is prepared of the uniforms with that content: one picture of a scene is often followed by another."""
-    numbers = np.frombuffer(content, dtype)
-    on_devices = jax.device_put(numbers, everywhere)
-    culled = None
-    if many:
+    program: Program, dtype: str, engine: Any, layout: Layout, content: bytes, everywhere: NamedSharding
+) -> Prepared:
+    """Return what is prepared of the uniforms with that content: one picture of a scene is often followed by another.
+
+    layout: of (uniforms, ``None``).
+    """
+    numbers, culled = np.frombuffer(content, dtype), None
+    uniforms, _ = Parts(layout, numbers).structure
+    few = FEW.get(type(engine))
+    if few is not None and count(uniforms.spheres) <= few:
+        # Here, and not in the program, where each of these few numbers would be a kernel by itself.
+        with np.errstate(all="ignore"):
+            numbers, layout = pack((uniforms, without_grids(uniforms, program)), dtype)
+    elif few is not None:
         culled = _culled(program, engine, layout)(numbers)
         if jax.process_count() > 1:
             culled = jax.tree.map(np.asarray, culled)
         culled = jax.device_put(culled, everywhere)
-    return on_devices, culled
+    return Prepared(layout, jax.device_put(numbers, everywhere), culled)

@@ -18,13 +18,14 @@ from jax.ad_checkpoint import checkpoint_name
 from raytrace.backends.culling import Beam, Coordinates, Extent, Pencil, Region, outside, primary_rays, shadow_rays
 from raytrace.backends.jax.engines import Attentive, OneProgram, computed_if, shaped
 from raytrace.backends.jax.grid import Grid, candidates, grid
+from raytrace.backends.jax.packing import Parts
 from raytrace.backends.jax.traced import traced
 from raytrace.language.control import count
 from raytrace.language.glsl import select
 from raytrace.shader.hit import CAMERA, Hit
 from raytrace.shader.uniforms import Program, Sphere, Uniforms
 
-__all__ = ["SEARCHED", "Culling", "Loop", "Staged", "Visible", "culling"]
+__all__ = ["SEARCHED", "Culling", "Loop", "Staged", "Visible", "culling", "without_grids"]
 
 #: With more spheres than this the small ones are in grids. A block's own rays see fewer spheres than lie between the
 #: surfaces that it sees and the sun, so that a list of them all does for longer.
@@ -67,25 +68,31 @@ def culling(
     # Which spheres are looked at has no derivative.
     uniforms = lax.stop_gradient(uniforms)
     spheres = uniforms.spheres
-    if spheres is None:
-        return Culling(None, None)
 
-    def visible(rays: Pencil | Beam, many: int) -> Visible:
-        bounds = rays.bounds(spheres, program.intersection == "textbook")
+    def with_grid(visible: Visible | None, many: int) -> Visible | None:
         n = count(spheres)
-        if n <= many:
-            return Visible(rays, bounds)
-        cells = grid(rays, bounds)
+        if visible is None or n <= many:
+            return visible
+        cells = grid(visible.rays, visible.bounds)
         by_cell = jax.tree.map(lambda leaf: leaf[cells.order], spheres)
         padded = jnp.pad(cells.order, (0, n))
         large = jnp.pad(lax.dynamic_slice(padded, (cells.small,), (n,)), (0, CHUNK))
-        return Visible(rays, bounds, cells, by_cell, large)
+        return visible._replace(grid=cells, by_cell=by_cell, large=large)
+
+    return Culling(*map(with_grid, without_grids(uniforms, program), many))
+
+
+def without_grids(uniforms: Uniforms, program: Program) -> Culling:
+    """Return what is prepared of few spheres, in the uniforms' own arithmetic."""
+    spheres = uniforms.spheres
+    if spheres is None:
+        return Culling(None, None)
+
+    def visible(rays: Pencil | Beam) -> Visible:
+        return Visible(rays, rays.bounds(spheres, program.intersection == "textbook"))
 
     to_sun = shadow_rays(uniforms, program)
-    return Culling(
-        visible(primary_rays(uniforms, program), many[0]),
-        None if to_sun is None else visible(to_sun, many[1]),
-    )
+    return Culling(visible(primary_rays(uniforms, program)), None if to_sun is None else visible(to_sun))
 
 
 @dataclass(frozen=True)
@@ -95,7 +102,9 @@ class Staged(OneProgram):
     #: Pixels of a block, about.
     block: int | None = 1 << 13
 
-    def at_block(self, program: Program, culling: Culling, mode: Any, differentiated: bool) -> "Block":
+    def at_block(
+        self, program: Program, culling: Culling, mode: Any, differentiated: bool, parts: Parts | None
+    ) -> "Block":
         return Block(
             few=self.few,
             quadratic=program.intersection == "textbook",
@@ -103,6 +112,7 @@ class Staged(OneProgram):
             everything=mode > 0,
             always=mode >= 0,
             differentiated=differentiated,
+            parts=parts,
         )
 
 
@@ -118,14 +128,8 @@ class Block(Attentive):
     differentiated: bool
 
     def step(self, function: Callable, args: tuple) -> Any:
-        leaves, tree = jax.tree.flatten(args, is_leaf=lambda part: not isinstance(part, tuple))
-        planes = [leaf for leaf in leaves if isinstance(leaf, jax.Array)]
-
-        def kernel(*planes: jax.Array) -> Any:
-            given = iter(planes)
-            return function(*tree.unflatten(next(given) if isinstance(leaf, jax.Array) else leaf for leaf in leaves))
-
-        return computed_if(self.always, *traced(kernel, *planes), planes)
+        run, planes, shapes = self.body(function, args)
+        return computed_if(self.always, run, shapes, planes)
 
     def summed(self, number: jax.Array, term: Callable, start: Any, args: tuple) -> Any:
         if self.active is not None:
@@ -144,7 +148,7 @@ class Block(Attentive):
             return pixels, jax.tree.map(lambda plane: jnp.broadcast_to(plane, (size,)), found)
 
         within = jnp.arange(size, dtype=jnp.int32)
-        of_part, (_, shapes) = traced(of_part, within, args)
+        of_part, (_, shapes) = traced(of_part, within, args, parts=self.parts)
         image = jax.tree.map(lambda plane, _: jnp.broadcast_to(plane, (n,)), start, shapes)
 
         def with_part(part: jax.Array, image: Any) -> Any:
@@ -157,9 +161,9 @@ class Block(Attentive):
         visible = self.culling.primary if isinstance(start, CAMERA) else self.culling.shadow
         if not isinstance(items, Sphere) or visible is None:
             return super().each(items, body, start, args, unroll)
-        loop_items, loop_args = lax.stop_gradient((items, args))
+        loop_items, loop_args = lax.stop_gradient((items, args)) if self.differentiated else (items, args)
         loop = Loop(self, visible, loop_items, body, loop_args)
-        shape = jax.eval_shape(lambda state: body(state, 0, jax.tree.map(lambda leaf: leaf[0], items), *args), start)
+        shape = jax.eval_shape(lambda state: body(state, 0, self.item(items, 0), *args), start)
         state = jax.tree.map(lambda leaf: checkpoint_name(leaf, SEARCHED), loop.run(shaped(start, shape)))
         if not (isinstance(start, Hit) and self.differentiated):
             return state
@@ -183,13 +187,15 @@ class Loop(NamedTuple):
         where = self.where(plane.shape)
         region = Region.of(where, active)
         size = min(n, CHUNK)
-        large = self.visible.large
+        bounds, large = self.visible.bounds, self.visible.large
         if grid is None or large is None:
-            return self._listed(jnp.arange(n, dtype=jnp.int32), jnp.ones(n, bool), region, active, state)
+            met = ~outside(bounds, region) | self.engine.everything
+            return self._listed(jnp.arange(n, dtype=jnp.int32), met, active, state)
 
         def of_chunk(k: jax.Array, state: Any) -> Any:
             indices = lax.dynamic_slice(large, (k * size,), (size,))
-            return self._listed(indices, k * size + jnp.arange(size) < grid.large, region, active, state)
+            met = ~outside(jax.tree.map(lambda leaf: leaf[indices], bounds), region) | self.engine.everything
+            return self._listed(indices, met & (k * size + jnp.arange(size) < grid.large), active, state)
 
         state = lax.fori_loop(0, -(-grid.large // size), of_chunk, state)
         return self.in_cells(grid, where, active, state)
@@ -199,19 +205,25 @@ class Loop(NamedTuple):
         where = self.visible.rays.coordinates(self.args[0], self.args[1], self.engine.quadratic)
         return shaped(where, jax.tree.map(lambda x: jax.ShapeDtypeStruct(shape, x.dtype), where))
 
-    def _listed(self, indices: jax.Array, given: jax.Array, region: Region, active: jax.Array, state: Any) -> Any:
-        """Over those of the spheres numbered `indices` that a ray of the region can meet."""
-        bounds = jax.tree.map(lambda leaf: leaf[indices], self.visible.bounds)
-        wanted = given & (self.engine.everything | ~outside(bounds, region))
+    def _listed(self, indices: jax.Array, wanted: jax.Array, active: jax.Array, state: Any) -> Any:
+        """Over those of the spheres numbered `indices` that are wanted."""
         n = count(self.spheres)
         listed = jnp.sort(jnp.where(wanted, indices, n))
         number = jnp.sum(wanted, dtype=jnp.int32)
 
-        def turn(k: jax.Array, state: Any) -> Any:
-            i = listed[k]
-            return self.turn(i, jax.tree.map(lambda leaf: leaf[i], self.spheres), state)
+        leaves, tree = jax.tree.flatten(self.spheres)
+        parts = self.engine.parts
 
-        return self.while_needed(lambda _: number, active, turn, state)
+        def item(k: jax.Array) -> tuple[jax.Array, Any]:
+            i = lax.dynamic_index_in_dim(listed, k, keepdims=False, allow_negative_indices=False)
+            column = None if parts is None else parts.column(leaves, i)
+            return i, self.engine.item(self.spheres, i) if column is None else column
+
+        def turn(item: tuple[jax.Array, Any], state: Any) -> Any:
+            i, sphere = item
+            return self.turn(i, tree.unflatten(sphere) if isinstance(sphere, jax.Array) else sphere, state)
+
+        return self.while_needed(lambda _: number, active, item, turn, state)
 
     def in_cells(self, grid: Grid, where: Any, active: jax.Array, state: Any) -> Any:
         """Over the small spheres, each ray over those of its own cells."""
@@ -222,7 +234,10 @@ class Loop(NamedTuple):
             index, sphere = jax.tree.map(lambda leaf: taken(leaf, place), (grid.order, self.visible.by_cell))
             return select(k < asked.total, self.turn(index, sphere, state), state)
 
-        return self.while_needed(lambda open: jnp.max(jnp.where(open, asked.total, 0)), active, turn, state)
+        def rounds(open: jax.Array) -> jax.Array:
+            return jnp.max(jnp.where(open, asked.total, 0))
+
+        return self.while_needed(rounds, active, lambda k: k, turn, state)
 
     def turn(self, i: jax.Array, sphere: Sphere, state: Any) -> Any:
         changed = self.body(state, i, sphere, *self.args)
@@ -231,10 +246,15 @@ class Loop(NamedTuple):
             changed = select((changed.t == state.t) & (i < state.index), state, changed)
         return shaped(changed, state)
 
-    def while_needed(self, rounds: Callable, active: jax.Array, turn: Callable, state: Any) -> Any:
-        """`turn(k, state)` for k from 0 to `rounds(open)`, as long as it can change an `active` ray that is open."""
+    def while_needed(self, rounds: Callable, active: jax.Array, item: Callable, turn: Callable, state: Any) -> Any:
+        """`turn(item(k), state)` for k from 0 to `rounds(open)`, as long as it can change an `active` ray that is open.
+
+        The next item is carried: computed on the spot it would be computed for each pixel. There may be no next one.
+        """
+        start = item(jnp.int32(0))
         if isinstance(state, tuple):
-            return lax.fori_loop(0, rounds(active), turn, state)
+            _, state = lax.fori_loop(0, rounds(active), lambda k, carry: (item(k + 1), turn(*carry)), (start, state))
+            return state
 
         def rounds_left(blocked: jax.Array) -> jax.Array:
             # One sphere is enough for a shadow.
@@ -242,10 +262,15 @@ class Loop(NamedTuple):
             return jnp.where(self.engine.some(open) | self.engine.everything, rounds(open | self.engine.everything), 0)
 
         def more(carry: tuple) -> jax.Array:
-            k, blocked = carry
+            k, _, blocked = carry
             return k < rounds_left(blocked)
 
-        return lax.while_loop(more, lambda carry: (carry[0] + 1, turn(*carry)), (jnp.int32(0), state))[1]
+        def one_more(carry: tuple) -> tuple:
+            k, now, blocked = carry
+            return k + 1, item(k + 1), turn(now, blocked)
+
+        *_, state = lax.while_loop(more, one_more, (jnp.int32(0), start, state))
+        return state
 
 
 def taken(leaf: Any, places: jax.Array) -> jax.Array:

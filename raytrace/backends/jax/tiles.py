@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
+from raytrace.backends.jax.packing import Parts
 from raytrace.backends.jax.traced import traced
 
 __all__ = ["Tiles"]
@@ -54,12 +55,13 @@ class Tiles(NamedTuple):
         within = np.arange(self.tile_height * self.tile_width, dtype=np.int32)
         return row + within // self.tile_width, column + within % self.tile_width
 
-    def draw(self, tile: Callable[[jax.Array, jax.Array], Images]) -> Images:
+    def draw(self, tile: Callable[[jax.Array, jax.Array], Images], parts: Parts | None = None) -> Images:
         """The picture of which `tile(row, column)` draws the tile with that corner.
 
-        Each tile is written to its place when it is ready. One that would stand over the edge is moved inside.
+        Each tile is written to its place when it is ready. One that would stand over the edge is moved inside. parts:
+        those of these that a tile reads are taken within it.
         """
-        tile, shapes = traced(tile, jnp.int32(0), jnp.int32(0))
+        tile, shapes = traced(tile, jnp.int32(0), jnp.int32(0), parts=parts)
         corners = [
             jnp.array([min(i * side, end - side) for i in range(-(-end // side))], jnp.int32)
             for side, end in ((self.tile_height, self.height), (self.tile_width, self.width))
