@@ -148,7 +148,7 @@ def test_the_reader_of_imports_sees_all_kinds(tmp_path):
 
 #: What writes to state that others share: a module's own variables, another object's inside, the environment, JAX's
 #: caches. Where it is meant: Mitsuba reads where LLVM is from the environment.
-SHARED_STATE = {("studies/bench/peers/mitsuba_queries.py", "os.environ[]")}
+SHARED_STATE = {("studies/bench/peers/llvm.py", "os.environ[]")}
 
 
 def shared_state(source):

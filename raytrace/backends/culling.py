@@ -26,12 +26,14 @@ from raytrace.language.namespace import constant, namespace
 from raytrace.language.types import Array
 from raytrace.shader.uniforms import Camera, Program, Sphere, Uniforms
 
-__all__ = ["Beam", "Coordinates", "Extent", "Pencil", "Region", "outside", "primary_rays", "shadow_rays"]
+__all__ = ["EDGE", "Beam", "Coordinates", "Extent", "Pencil", "Region", "outside", "primary_rays", "shadow_rays"]
 
 #: What is added to a radius, in machine epsilons of the distances that enter.
 SLACK = 32
 #: So many pixels' widths from a ray is what its pixel may see: an edge half a pixel away, and more for its curvature.
 PIXELS = 2
+#: The coordinates of a picture's rays are in [-1, 1]; a little more, for the rounding at its border.
+EDGE = 1.01
 #: A camera whose axes are nearer to lying in one plane than this has no coordinates to be trusted.
 FLATTEST = 1e-2
 
@@ -136,9 +138,17 @@ class Pencil(NamedTuple):
             """|dot(axis, c) - x * dot(z, c)| <= reach * |axis - x * z| solved for x, without cancellation."""
             middle = dot(axis, center) / forward
             half = reach * _length(axis - middle * self.z) / depth
-            # The apex plane cuts the sphere: it may be anywhere.
+            # The apex plane cuts the sphere: it may be anywhere on this side of a plane through the apex that it is
+            # wholly beyond.
             unbounded = ~(depth > slack * distance * flat)
-            return select(unbounded, -inf, middle - half), select(unbounded, inf, middle + half)
+            low, high = select(unbounded, -inf, middle - half), select(unbounded, inf, middle + half)
+            right, left = beyond(axis), beyond(-axis)
+            return select(unbounded & right, EDGE, low), select(unbounded & left, -EDGE, high)
+
+        def beyond(axis: Vec3) -> Array:
+            """Whether the sphere is beyond the plane of all rays whose coordinate on that axis is `EDGE`."""
+            across = axis - self.z * EDGE
+            return dot(across, center) > (reach + slack * distance) * _length(across)
 
         behind = forward + (grown + extra) * flat < -slack * distance * flat
         (u_low, u_high), (v_low, v_high) = interval(self.x), interval(self.y)

@@ -10,7 +10,7 @@ from raytrace.cli.options import Size, progress, size_of
 from raytrace.errors import InputError, check_choice
 from raytrace.files import check_figure
 from raytrace.scene.toml import DEFAULT_SCENE
-from raytrace.studies.bench.timing import state
+from raytrace.studies.bench.timing import REST, state
 
 __all__ = ["bench"]
 
@@ -22,6 +22,7 @@ def bench(
     scene: Annotated[str, typer.Argument(help="A built-in scene's name or a TOML file.")] = DEFAULT_SCENE,
     size: Size = "1920x1080",
     runs: Annotated[int, typer.Option(min=1, help="Frames that are timed, after one that is not.")] = 5,
+    rest: Annotated[float, typer.Option(min=0, help="Seconds of rest before each frame.")] = REST,
     scaling: Annotated[str | None, typer.Option(help="Instead: time against spheres, pixels or devices.")] = None,
     figures: Annotated[
         bool, typer.Option("--figures", help="Instead: the ratios and errors to reach; exit code 1 if one is missed.")
@@ -73,7 +74,7 @@ def bench(
     if scaling:
         _scaling(scaling, shape, runs, as_json, plot)
     elif figures:
-        _figures(shape, runs, as_json)
+        _figures(shape, runs, rest, as_json)
     elif scenes:
         _scenes(shape, runs, as_json)
     elif roofline:
@@ -83,10 +84,10 @@ def bench(
     elif device_accuracy:
         _device_accuracy(as_json)
     else:
-        _pareto(scene, shape, runs, as_json, plot)
+        _pareto(scene, shape, runs, rest, as_json, plot)
 
 
-def _pareto(scene: str, size: tuple[int, int], runs: int, as_json: bool, plot: Path | None) -> None:
+def _pareto(scene: str, size: tuple[int, int], runs: int, rest: float, as_json: bool, plot: Path | None) -> None:
     from raytrace.scene import load_scene
     from raytrace.studies.bench import pareto
     from raytrace.studies.bench.contenders import contenders
@@ -94,7 +95,7 @@ def _pareto(scene: str, size: tuple[int, int], runs: int, as_json: bool, plot: P
     loaded = load_scene(scene)
     found, missing = contenders(loaded, size)
     with progress(len(found) * (runs + 1), "timing") as advance:
-        rows = pareto.measured(found, loaded, size, runs, lambda name, ms: advance(1))
+        rows = pareto.measured(found, loaded, size, runs, lambda name, ms: advance(1), rest)
     best = pareto.front(rows)
     if plot:
         pareto.plot(rows, f"{scene}, {size[0]}x{size[1]}", plot)
@@ -135,13 +136,13 @@ def _scaling(kind: str, size: tuple[int, int], runs: int, as_json: bool, plot: P
         scaling.plot(points, kind, plot)
 
 
-def _figures(size: tuple[int, int], runs: int, as_json: bool) -> None:
+def _figures(size: tuple[int, int], runs: int, rest: float, as_json: bool) -> None:
     from raytrace.studies.bench.figures import Figure, figures
 
     found, missing = [], []
     if not as_json:
         print(f"{'':66} {'reached':>9} {'at most':>9}", flush=True)
-    for figure in figures(size, runs):
+    for figure in figures(size, runs, rest):
         if not isinstance(figure, Figure):
             missing.append(figure)
             continue

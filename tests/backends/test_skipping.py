@@ -9,12 +9,13 @@ import pytest
 from hypothesis import strategies as st
 
 import raytrace
-from raytrace.backends.jax import Staged, staged
+from raytrace.backends.jax import Staged, renderer, staged
 from raytrace.backends.jax.renderer import Renderer
 from raytrace.backends.job import Job
 from raytrace.rendering import Options, Rendering
 from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
+from raytrace.studies.bench.crowds import field
 from tests.scenes import SEVERAL_SCENES, examples, filled, some
 from tests.strategies import cameras, colors, directions, many, numbers, positions, spheres
 
@@ -131,28 +132,46 @@ def test_many_spheres(n, intersection):
 
 
 @pytest.mark.parametrize(
-    "sizes", some(["all large", "large and small", "far and wide", "parallel rays"], "large and small")
+    "sizes",
+    some(
+        ["all large", "large and small", "far and wide", "around the camera", "parallel rays"],
+        "large and small",
+        "around the camera",
+    ),
 )
 def test_cells_hold_any_mixture(sizes, monkeypatch):
     """Spheres too large for any cell, of every size together, and a few that stretch the grid."""
     monkeypatch.setattr(staged, "MANY_FOR_SHADOW", 20)
     monkeypatch.setattr(staged, "MANY_FOR_PRIMARY", 20)
+    monkeypatch.setitem(renderer.FEW, Staged, 20)
     random, n = np.random.default_rng(1), 60
     radius = {
         "all large": random.uniform(0.5, 3, n),
         "large and small": 10 ** random.uniform(-3, 1, n),
         "parallel rays": 10 ** random.uniform(-3, 1, n),
         "far and wide": random.uniform(0.05, 0.2, n),
+        "around the camera": 10 ** random.uniform(-1.5, 0, n),
     }[sizes]
     center = random.uniform([-3, -0.4, -6], [3, 2, 1], (n, 3))
     if sizes == "far and wide":
         center[::10] *= 1e5
+    if sizes == "around the camera":
+        # Some of them are cut by the plane through the camera that no ray lies in.
+        center = random.uniform([-20, -0.4, -18], [20, 1.5, 22], (n, 3))
     spheres = raytrace.Spheres(center=center, radius=radius, color=random.uniform(0, 1, (n, 3)))
     scene = replace(raytrace.load_scene("checkerboard"), spheres=spheres)
     if sizes == "parallel rays":
         scene = replace(scene, camera=raytrace.OrthographicCamera(height=4.0))
     # Another block size: the limits are not part of what a program is known by.
     assert_same_bits(*both(scene, engine=Staged(block=300)))
+
+
+def test_a_wide_field_leaves_few_spheres_to_every_pixel():
+    """Near ones are a thousand times as large as most; half are behind the camera, and some beside it."""
+    scene = field(4000)
+    uniforms, program = uniforms_of(scene, 16 / 9), program_of(scene, "robust")
+    uniforms = jax.tree.map(lambda leaf: jax.numpy.asarray(leaf, "float32"), uniforms)
+    assert staged.culling(uniforms, program).primary.grid.large < 40
 
 
 @pytest.mark.parametrize("intersection", some(["robust", "textbook"], "robust"))

@@ -2,6 +2,7 @@
 
 import re
 import sys
+from collections.abc import Iterator
 from functools import lru_cache
 from typing import Any
 
@@ -79,7 +80,12 @@ class OpenGL:
         ]
 
     def draw(self, drawing: Drawing, out: np.ndarray) -> None:
-        """Draws into `out`, an array of `drawing.shape`."""
+        """Draw into `out`, an array of `drawing.shape`."""
+        for image, target in zip(out, self.drawn(drawing), strict=True):
+            target.read_into(image, components=4, dtype="f4")
+
+    def drawn(self, drawing: Drawing) -> Iterator[Any]:
+        """Draw pass after pass; after each its framebuffer, moderngl's, in which the engine may still be drawing."""
         context, program = self._context, self._compiled(drawing.program)
         limits = context.info["GL_MAX_VIEWPORT_DIMS"]
         if drawing.width > limits[0] or drawing.height > limits[1]:
@@ -93,7 +99,7 @@ class OpenGL:
             samplers = {name: np.array(unit, np.int32) for unit, name in enumerate(textures)}
             for unit, texture in enumerate(textures.values()):
                 texture.use(unit)
-            for image, changed in zip(out, drawing.passes, strict=True):
+            for changed in drawing.passes:
                 self._set(program, drawing.uniforms | samplers | changed)
                 target.use()
                 context.viewport = drawing.viewport
@@ -101,10 +107,14 @@ class OpenGL:
                 context.scissor = drawing.box
                 quad.render(self._moderngl.TRIANGLE_STRIP, vertices=4)
                 context.scissor = None
-                target.read_into(image, components=4, dtype="f4")
+                yield target
         finally:
             for resource in (quad, corners, target, *target.color_attachments, *textures.values()):
                 resource.release()
+
+    def finish(self) -> None:
+        """Wait until everything is drawn."""
+        self._context.finish()
 
     def close(self) -> None:
         """Nothing to do: the context ends with the process."""

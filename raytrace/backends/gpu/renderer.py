@@ -61,12 +61,14 @@ class GlslRenderer:
 
     def _drawn(self, first: int, count: int) -> Iterator[np.ndarray]:
         """Every step that is kept, (count, width, 4)."""
+        return iter(self.process.draw(self.drawing(first, count)))
+
+    def drawing(self, first: int, count: int) -> Drawing:
+        """Return what the engine is asked for `count` rows from row `first` on: a pass for each step that is kept."""
         width, height, _ = self.job.frame
         numbers = {name: i for i, name in enumerate(Steps._fields)}
         passes = tuple({"shownStep": np.array(numbers[name], np.int32)} for name in self.job.keep)
-        return iter(
-            self.process.draw(Drawing(self.program, width, height, first, count, self.uniforms, self.textures, passes))
-        )
+        return Drawing(self.program, width, height, first, count, self.uniforms, self.textures, passes)
 
 
 def _empty(name: str, height: int, width: int) -> np.ndarray:

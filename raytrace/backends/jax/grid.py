@@ -14,7 +14,7 @@ from typing import NamedTuple
 import jax
 import jax.numpy as jnp
 
-from raytrace.backends.culling import Beam, Coordinates, Extent, Pencil, Region, outside
+from raytrace.backends.culling import EDGE, Beam, Coordinates, Extent, Pencil, Region, outside
 from raytrace.backends.jax.engines import any_of
 
 __all__ = ["Candidates", "Grid", "candidates", "grid"]
@@ -83,9 +83,8 @@ def grid(rays: Pencil | Beam, bounds: Extent) -> Grid:
     """The grid for spheres of these bounds."""
     n = bounds.u_low.shape[0]
     side = _side(n)
-    # A pencil's rays are those of pixels, in [-1, 1]; a little more, for the rounding of rays at the border.
-    edge = 1.01 if isinstance(rays, Pencil) else jnp.inf
-    unmet = outside(bounds, Region(-edge, edge, -edge, edge, -jnp.inf))
+    edge, start = ((1 + EDGE) / 2, 0.0) if isinstance(rays, Pencil) else (jnp.inf, -jnp.inf)
+    unmet = outside(bounds, Region(-edge, edge, -edge, edge, start))
     u, half_u = (bounds.u_low + bounds.u_high) / 2, (bounds.u_high - bounds.u_low) / 2
     v, half_v = (bounds.v_low + bounds.v_high) / 2, (bounds.v_high - bounds.v_low) / 2
     finite = jnp.isfinite(u + v + half_u + half_v)
@@ -127,20 +126,22 @@ def grid(rays: Pencil | Beam, bounds: Extent) -> Grid:
 
 
 def _axis(middle: jax.Array, half: jax.Array, seen: jax.Array, side: int) -> tuple[jax.Array, jax.Array]:
-    """Lower end and cell size along an axis: most of the middles, whatever a few far ones do.
+    """Return the lower end and the cell size along an axis: most of the middles, whatever a few far ones do.
 
     What lies beyond is in the border's cells; that moves no two things farther apart.
     """
-    count = jnp.maximum(jnp.sum(seen), 1)
 
-    def mean(x: jax.Array) -> jax.Array:
-        return jnp.sum(jnp.where(seen, x, 0)) / count
+    def mean(x: jax.Array, among: jax.Array) -> jax.Array:
+        return jnp.sum(jnp.where(among, x, 0)) / jnp.maximum(jnp.sum(among), 1)
 
-    center = mean(middle)
-    spread = 2.5 * jnp.sqrt(mean((middle - center) ** 2))
+    # The geometric mean: in a wide field a few near ones are a thousand times as large as most.
+    usual = jnp.exp2(mean(jnp.log2(jnp.maximum(half, jnp.finfo(half.dtype).tiny)), seen))
+    seen = seen & (half < usual * 2**LEVELS)
+    center = mean(middle, seen)
+    spread = 2.5 * jnp.sqrt(mean((middle - center) ** 2, seen))
     low = jnp.maximum(jnp.min(jnp.where(seen, middle, jnp.inf)), center - spread)
     high = jnp.minimum(jnp.max(jnp.where(seen, middle, -jnp.inf)), center + spread)
-    cell = jnp.maximum((high - low) / side, mean(half) / 2)
+    cell = jnp.maximum((high - low) / side, usual / 2)
     ordinary = jnp.isfinite(low) & jnp.isfinite(cell) & (cell > 0)
     return jnp.where(ordinary, low, 0), jnp.where(ordinary, cell, 1)
 

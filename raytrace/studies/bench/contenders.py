@@ -1,8 +1,9 @@
 """The ways to render a scene that are compared with each other."""
 
 from collections.abc import Callable
-from importlib.util import find_spec
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from raytrace.errors import EngineFailure, InputError
 from raytrace.rendering import Options, Rendering, render
@@ -10,18 +11,33 @@ from raytrace.scene.data import Scene
 from raytrace.scene.toml import as_scene
 from raytrace.studies.bench.peers import installed
 
-__all__ = ["QUERIES", "Contender", "contenders", "mitsuba_frame", "plain_jit"]
+__all__ = [
+    "BY_HAND",
+    "DRAWING",
+    "QUERIES",
+    "Contender",
+    "contenders",
+    "drawing_frame",
+    "drjit_frame",
+    "mitsuba_frame",
+    "plain_jit",
+]
 
-#: What Mitsuba is timed at: not an image.
-QUERIES = "mitsuba: hits and shadows only"
+#: What Mitsuba is timed at: not an image. Planes are rectangles there, or are solved by hand.
+QUERIES, BY_HAND = "mitsuba: hits and shadows only", "mitsuba: the same, planes by hand"
+#: What a program takes that draws on OpenGL and shows the picture, instead of reading it back.
+DRAWING = "opengl, drawing alone"
 
 
 class Contender(NamedTuple):
-    """A function that makes one frame; `image` says whether it gives the image, to be held against the exact one."""
+    """A function that makes one frame.
+
+    image: gives the image of what that returns, to be held against the exact one; ``None`` where there is none.
+    """
 
     name: str
     frame: Callable[[], Any]
-    image: bool = True
+    image: Callable[[Any], Any] | None = lambda image: image
 
 
 def contenders(scene: Scene | str, size: tuple[int, int]) -> tuple[list[Contender], list[str]]:
@@ -40,9 +56,11 @@ def contenders(scene: Scene | str, size: tuple[int, int]) -> tuple[list[Contende
     found.append(Contender("jax float32 in one plain jit", plain_jit(scene, size)))
     missing = []
     for name, make in (
+        ("opengl", lambda: [Contender(DRAWING, drawing_frame(scene, size), image=None)]),
         ("opengl", lambda: [_engine(scene, size, "opengl")]),
         ("webgl", lambda: [_engine(scene, size, "webgl")]),
-        ("mitsuba", lambda: [Contender(QUERIES, mitsuba_frame(scene, size)[0], image=False)]),
+        ("drjit", lambda: [_drjit(scene, size)]),
+        ("mitsuba", lambda: _mitsuba(scene, size)),
         ("numba", lambda: _numba(scene, size)),
     ):
         try:
@@ -59,30 +77,72 @@ def plain_jit(scene: Scene | str, size: tuple[int, int]) -> Callable[[], Any]:
     return Rendering(Options(scene, size, engine=OneProgram())).whole
 
 
-def mitsuba_frame(scene: Scene, size: tuple[int, int]) -> tuple[Callable[[], Any], float]:
-    """Mitsuba's queries, and the milliseconds that it took to build its structures.
+def mitsuba_frame(scene: Scene, size: tuple[int, int], rectangles: bool = True) -> tuple[Callable[[], Any], float]:
+    """Return Mitsuba's queries, and the milliseconds that it took to build its structures.
+
+    rectangles: whether planes are shapes of its own, or are solved by hand.
 
     Raises:
         InputError: it is not installed.
     """
-    if not installed("mitsuba"):
-        raise InputError("not installed: pip install '.[bench]'")
+    _needs("mitsuba")
     from raytrace.studies.bench.peers.mitsuba_queries import built, queries
 
-    world, milliseconds = built(scene)
-    return queries(scene, size, world), milliseconds
+    world, milliseconds = built(scene, rectangles)
+    return queries(scene, size, world, rectangles), milliseconds
+
+
+def drjit_frame(scene: Scene, size: tuple[int, int]) -> Callable[[], Any]:
+    """Return the whole picture as one kernel of Dr.Jit's.
+
+    Raises:
+        InputError: it is not installed, or the scene has too many spheres to write out.
+    """
+    _needs("drjit")
+    from raytrace.studies.bench.peers.drjit_kernel import frame
+
+    return frame(scene, size)
+
+
+def drawing_frame(scene: Scene, size: tuple[int, int]) -> Callable[[], Any]:
+    """Return the picture as a program with an OpenGL context draws it, without reading it back.
+
+    Raises:
+        InputError: moderngl or a driver is not installed.
+    """
+    _needs("moderngl", "gpu-backends")
+    from raytrace.studies.bench.peers.drawing import drawing
+
+    return drawing(scene, size)
+
+
+def _needs(module: str, extra: str = "bench") -> None:
+    if not installed(module):
+        raise InputError(f"not installed: pip install '.[{extra}]'")
+
+
+def _drjit(scene: Scene, size: tuple[int, int]) -> Contender:
+    def image(planes: tuple) -> np.ndarray:
+        return np.stack([np.array(plane) for plane in planes], axis=-1).reshape(*size[::-1], 3)
+
+    return Contender("drjit, one kernel", drjit_frame(scene, size), image)
+
+
+def _mitsuba(scene: Scene, size: tuple[int, int]) -> list[Contender]:
+    return [
+        Contender(name, mitsuba_frame(scene, size, rectangles)[0], image=None)
+        for name, rectangles in ((QUERIES, True), (BY_HAND, False))
+    ]
 
 
 def _engine(scene: Scene, size: tuple[int, int], backend: str) -> Contender:
-    if find_spec({"opengl": "moderngl", "webgl": "playwright"}[backend]) is None:
-        raise InputError("not installed: pip install '.[gpu-backends]'")
+    _needs({"opengl": "moderngl", "webgl": "playwright"}[backend], "gpu-backends")
     render(scene, (8, 8), backend=backend)  # is the engine there?
-    return Contender(backend, lambda: render(scene, size, backend=backend))
+    return Contender(f"{backend}, with reading back", lambda: render(scene, size, backend=backend))
 
 
 def _numba(scene: Scene, size: tuple[int, int]) -> list[Contender]:
-    if not installed("numba"):
-        raise InputError("not installed: pip install '.[bench]'")
+    _needs("numba")
     from raytrace.studies.bench.peers.numba_loop import frame
 
     return [

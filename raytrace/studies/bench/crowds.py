@@ -1,4 +1,4 @@
-"""Scenes with any number of spheres."""
+"""Scenes with any number of spheres: crowds in front of the camera, and wide fields."""
 
 from dataclasses import replace
 
@@ -7,12 +7,17 @@ import numpy as np
 from raytrace.scene.data import Scene, Spheres
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 
-__all__ = ["crowd"]
+__all__ = ["crowd", "field"]
 
 #: The corners of the box that the centres are in, in front of the default scene's camera and above its ground.
 BOX = (-4.0, -0.5, -9.0), (4.0, 3.5, -1.0)
 #: The mean radius of a single sphere; of n, this over the root of n: as much of the picture is covered by any number.
 RADIUS = 1.2
+
+#: Half the side of a field, whose middle is the camera's place on the ground, and the range of its spheres' radii.
+HALF, RADII = 100.0, (0.03, 0.3)
+#: Towards the sun over a field, which stands 10 degrees high, so that shadows are long.
+LOW_SUN = (0.70, 0.18, 0.69)
 
 
 def crowd(n: int, seed: int = 0) -> Scene:
@@ -27,3 +32,18 @@ def crowd(n: int, seed: int = 0) -> Scene:
     center = random.uniform(*BOX, (n, 3))
     radius = RADIUS / np.sqrt(n) * random.uniform(0.5, 1.5, n)
     return replace(scene, spheres=Spheres(center=center, radius=radius, color=random.uniform(0.2, 1, (n, 3))))
+
+
+def field(n: int, seed: int = 0) -> Scene:
+    """Return the default scene with n spheres that lie on a wide ground, most of them far and small.
+
+    Their radii are as often within one octave of the range as within another.
+    """
+    scene = load_scene(DEFAULT_SCENE)
+    random = np.random.default_rng(seed)
+    radius = np.exp(random.uniform(*np.log(RADII), n))
+    x, z = random.uniform(-HALF, HALF, (2, n))
+    middle, ground = scene.camera.position, scene.planes[0].point[1]
+    center = np.stack([middle[0] + x, ground + radius, middle[2] + z], axis=1)
+    spheres = Spheres(center=center, radius=radius, color=random.uniform(0.2, 1, (n, 3)))
+    return replace(scene, spheres=spheres, sun=replace(scene.sun, direction=np.array(LOW_SUN)))

@@ -8,7 +8,7 @@ from raytrace.files import save_figure
 from raytrace.scene.data import Scene
 from raytrace.studies.bench.accuracy import Errors, reference
 from raytrace.studies.bench.contenders import Contender
-from raytrace.studies.bench.timing import Timing, in_turn
+from raytrace.studies.bench.timing import REST, Timing, in_turn
 
 __all__ = ["Row", "front", "measured", "plot"]
 
@@ -27,13 +27,14 @@ def measured(
     size: tuple[int, int],
     runs: int,
     done: Callable[[str, float], None] = lambda name, ms: None,
+    rest: float = REST,
 ) -> list[Row]:
-    """Times and errors of the contenders for a scene, the fastest first; `done` is told of each frame."""
-    timings = in_turn({contender.name: contender.frame for contender in contenders}, runs, done)
+    """Return the contenders' times and errors for a scene, the fastest first; `done` and `rest` as `in_turn` has it."""
+    timings = in_turn({contender.name: contender.frame for contender in contenders}, runs, done, rest)
     exact = reference(scene, size)
     rows = [
-        Row(contender.name, timings[contender.name], exact.errors(contender.frame()) if contender.image else None)
-        for contender in contenders
+        Row(one.name, timings[one.name], exact.errors(one.image(one.frame())) if one.image else None)
+        for one in contenders
     ]
     return sorted(rows, key=lambda row: row.timing.median)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from raytrace.cores import cores
 
-__all__ = ["Timing", "in_turn", "ready", "state"]
+__all__ = ["REST", "Timing", "in_turn", "ready", "state"]
 
 
 #: Seconds of rest before each frame: some thread pools go on spinning after theirs, and would slow down the next.
@@ -39,16 +39,19 @@ def ready(image: Any) -> Any:
 
 
 def in_turn(
-    frames: Mapping[str, Callable[[], Any]], runs: int, done: Callable[[str, float], None] = lambda name, ms: None
+    frames: Mapping[str, Callable[[], Any]],
+    runs: int,
+    done: Callable[[str, float], None] = lambda name, ms: None,
+    rest: float = REST,
 ) -> dict[str, Timing]:
-    """Each of `frames` once to compile and to warm up, then `runs` times, A B C A B C ...
+    """Run each of `frames` once to compile and to warm up, then `runs` times, A B C A B C ...; return their times.
 
-    done: told of each frame, by name and milliseconds.
+    done: told of each frame, by name and milliseconds. rest: seconds before each frame.
     """
     milliseconds: dict[str, list[float]] = {name: [] for name in frames}
     for _ in range(runs + 1):
         for name, frame in frames.items():
-            time.sleep(REST)
+            time.sleep(rest)
             start = time.perf_counter()
             ready(frame())
             milliseconds[name].append(1e3 * (time.perf_counter() - start))

@@ -5,11 +5,14 @@ import numpy as np
 import pytest
 
 import raytrace
+from raytrace.backends.jax.renderer import Renderer
 from raytrace.cli.bench import bench
 from raytrace.errors import InputError
+from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 from raytrace.studies.bench.accuracy import Errors, reference
-from raytrace.studies.bench.crowds import crowd
+from raytrace.studies.bench.crowds import crowd, field
 from raytrace.studies.bench.pareto import Row, front, plot
+from raytrace.studies.bench.scaling import preparation
 from raytrace.studies.bench.timing import Timing, in_turn
 
 
@@ -53,6 +56,14 @@ def test_every_surfaces_border_is_a_discontinuity():
     assert not reference("skybox", (64, 36)).edge.all()
 
 
+def test_a_field_lies_on_the_ground():
+    scene = field(500)
+    ground = scene.planes[0].point[1]
+    np.testing.assert_allclose(scene.spheres.center[:, 1] - scene.spheres.radius, ground)
+    far = np.linalg.norm(scene.spheres.center - scene.camera.position, axis=1) > 20
+    assert 0.9 < far.mean() < 1
+
+
 def test_crowds_cover_alike():
     """The picture's share of spheres is about the same for any number of them."""
     shares = []
@@ -83,6 +94,17 @@ def test_the_roofline_adds_up(capsys):
     found = json.loads(capsys.readouterr().out)
     assert found["operations"] > 64 * 36 * 100
     assert found["at_least"] == pytest.approx(1e3 * found["operations"] / found["peak_operations"])
+
+
+def test_what_is_prepared_is_another_scene(monkeypatch):
+    """The scene that is prepared between two measurements is not the one that is measured."""
+    sun = load_scene(DEFAULT_SCENE).sun.direction
+    prepared = []
+    monkeypatch.setattr(Renderer, "prepare", lambda self: prepared.append(self.uniforms.sun.direction))
+    preparation(crowd(300), (32, 18), runs=1)
+    mine, others = (np.array(prepared[k], np.float32) for k in (1, 0))
+    np.testing.assert_array_equal(mine, np.float32(sun))
+    assert (mine != others).any()
 
 
 @pytest.mark.parametrize(

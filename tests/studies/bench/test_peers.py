@@ -8,16 +8,19 @@ import pytest
 
 import raytrace
 from raytrace.errors import InputError
-from raytrace.studies.bench.contenders import contenders, mitsuba_frame
+from raytrace.studies.bench.accuracy import reference
+from raytrace.studies.bench.contenders import contenders, drawing_frame, drjit_frame, mitsuba_frame
+from raytrace.studies.bench.crowds import crowd
 from tests.engines import skip_unless_required
 
 SIZE = 96, 54
 
 
-def test_mitsubas_queries_are_this_scenes():
+@pytest.mark.parametrize("rectangles", [True, False])
+def test_mitsubas_queries_are_this_scenes(rectangles):
     scene = raytrace.load_scene("checkerboard")
     try:
-        frame, milliseconds = mitsuba_frame(scene, SIZE)
+        frame, milliseconds = mitsuba_frame(scene, SIZE, rectangles)
     except InputError as missing:
         skip_unless_required(missing)
     assert milliseconds > 0
@@ -29,6 +32,37 @@ def test_mitsubas_queries_are_this_scenes():
     assert near[seen].mean() > 0.99
     lit = seen & (steps["NdL"] > 0)
     assert (blocked == (steps["shadow"] == 0))[lit].mean() > 0.99
+
+
+@pytest.mark.parametrize("name", ["checkerboard", "skybox", "two-tilted-planes"])
+def test_the_kernel_of_drjit_is_the_same_picture(name):
+    scene = raytrace.load_scene(name)
+    try:
+        frame = drjit_frame(scene, SIZE)
+    except InputError as missing:
+        skip_unless_required(missing)
+    for _ in range(2):  # traced, and run again
+        image = np.stack([np.array(plane) for plane in frame()], axis=-1).reshape(*SIZE[::-1], 3)
+        errors = reference(scene, SIZE).errors(image)
+        assert errors.over == 0
+        assert errors.largest < 1e-3
+
+
+def test_a_kernel_that_would_hold_too_many_spheres_is_refused():
+    try:
+        with pytest.raises(InputError, match="at most 32 spheres, found 33"):
+            drjit_frame(crowd(33), SIZE)
+    except InputError as missing:
+        skip_unless_required(missing)
+
+
+def test_opengl_draws_again_and_again():
+    scene = raytrace.load_scene("checkerboard")
+    try:
+        frame = drawing_frame(scene, SIZE)
+    except InputError as missing:
+        skip_unless_required(missing)
+    assert [frame() for _ in range(3)] == [None] * 3
 
 
 @pytest.mark.full
@@ -55,10 +89,9 @@ def test_what_is_missing_is_told(monkeypatch):
     for module in ("mitsuba", "numba", "moderngl", "playwright"):
         monkeypatch.setitem(sys.modules, module, None)
     monkeypatch.setattr("raytrace.studies.bench.contenders.installed", lambda module: False)
-    monkeypatch.setattr("raytrace.studies.bench.contenders.find_spec", lambda module: None)
     found, missing = contenders("checkerboard", (8, 8))
     assert {"jax float32 robust", "numpy longdouble", "jax float32 in one plain jit"} <= {one.name for one in found}
-    assert len(missing) == 4
+    assert len(missing) == 6
     assert all("pip install" in line for line in missing)
 
 
