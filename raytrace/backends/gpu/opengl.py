@@ -2,7 +2,7 @@
 
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Generator
 from functools import lru_cache
 from typing import Any
 
@@ -84,7 +84,7 @@ class OpenGL:
         for image, target in zip(out, self.drawn(drawing), strict=True):
             target.read_into(image, components=4, dtype="f4")
 
-    def drawn(self, drawing: Drawing) -> Iterator[Any]:
+    def drawn(self, drawing: Drawing) -> Generator[Any, None, None]:
         """Draw pass after pass; after each its framebuffer, moderngl's, in which the engine may still be drawing."""
         context, program = self._context, self._compiled(drawing.program)
         limits = context.info["GL_MAX_VIEWPORT_DIMS"]

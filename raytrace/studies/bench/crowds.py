@@ -1,10 +1,11 @@
 """Scenes with any number of spheres: crowds in front of the camera, and wide fields."""
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
-from raytrace.scene.data import Scene, Spheres
+from raytrace.scene.data import PerspectiveCamera, Scene, Spheres
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 
 __all__ = ["crowd", "field"]
@@ -41,9 +42,10 @@ def field(n: int, seed: int = 0) -> Scene:
     """
     scene = load_scene(DEFAULT_SCENE)
     random = np.random.default_rng(seed)
-    radius = np.exp(random.uniform(*np.log(RADII), n))
+    smallest, largest = np.log(RADII)
+    radius = np.exp(random.uniform(smallest, largest, n))
     x, z = random.uniform(-HALF, HALF, (2, n))
-    middle, ground = scene.camera.position, scene.planes[0].point[1]
+    middle, ground = cast(PerspectiveCamera, scene.camera).position, scene.planes[0].point[1]
     center = np.stack([middle[0] + x, ground + radius, middle[2] + z], axis=1)
     spheres = Spheres(center=center, radius=radius, color=random.uniform(0.2, 1, (n, 3)))
     return replace(scene, spheres=spheres, sun=replace(scene.sun, direction=np.array(LOW_SUN)))

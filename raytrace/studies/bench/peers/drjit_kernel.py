@@ -86,7 +86,8 @@ class _Kernel(Engine):
         def chosen(leaf: _Items) -> Numbers:
             value = leaf[0]
             for i in range(1, count(items)):
-                value = Namespace.where(index == i, leaf[i], value)
+                here: Any = index == i
+                value = Namespace.where(here, leaf[i], value)
             return value
 
         return tree_map(chosen, items)
@@ -141,6 +142,23 @@ for _name in ("sqrt", "exp2", "log2", "floor", "isfinite"):
     setattr(Namespace, _name, _function(_name))
 
 
+def _operator(operation: Callable) -> Any:
+    def method(self: "Numbers", other: Any) -> Any:
+        if isinstance(other, tuple) or hasattr(other, "like"):
+            return NotImplemented  # a vector or a literal, which does it itself
+        return Numbers(operation(self.value, other.value if isinstance(other, Numbers) else other))
+
+    return method
+
+
+def _reflected(operation: Callable) -> Any:
+    return lambda self, other: Numbers(operation(other, self.value))
+
+
+def _unary(operation: Callable) -> Any:
+    return lambda self: Numbers(operation(self.value))
+
+
 class Numbers:
     """A number for each pixel, or one for all: an array of Dr.Jit's."""
 
@@ -163,29 +181,11 @@ class Numbers:
     def shape(self) -> tuple[int, ...]:
         return () if len(self.value) == 1 else (len(self.value),)
 
-
-def _operator(operation: Callable) -> Callable:
-    def method(self: Numbers, other: Any) -> Any:
-        if isinstance(other, tuple) or hasattr(other, "like"):
-            return NotImplemented  # a vector or a literal, which does it itself
-        return Numbers(operation(self.value, other.value if isinstance(other, Numbers) else other))
-
-    return method
-
-
-def _reflected(operation: Callable) -> Callable:
-    return lambda self, other: Numbers(operation(other, self.value))
-
-
-def _unary(operation: Callable) -> Callable:
-    return lambda self: Numbers(operation(self.value))
-
-
-for _name in ("add", "sub", "mul", "truediv", "and_", "or_"):
-    _operation = getattr(operator, _name)
-    setattr(Numbers, f"__{_name.strip('_')}__", _operator(_operation))
-    setattr(Numbers, f"__r{_name.strip('_')}__", _reflected(_operation))
-for _name in ("lt", "le", "gt", "ge", "eq", "ne"):
-    setattr(Numbers, f"__{_name}__", _operator(getattr(operator, _name)))
-for _name in ("neg", "invert", "abs"):
-    setattr(Numbers, f"__{_name}__", _unary(getattr(operator, _name)))
+    __add__, __radd__ = _operator(operator.add), _reflected(operator.add)
+    __sub__, __rsub__ = _operator(operator.sub), _reflected(operator.sub)
+    __mul__, __rmul__ = _operator(operator.mul), _reflected(operator.mul)
+    __truediv__, __rtruediv__ = _operator(operator.truediv), _reflected(operator.truediv)
+    __and__, __or__, __invert__ = _operator(operator.and_), _operator(operator.or_), _unary(operator.invert)
+    __lt__, __le__, __gt__, __ge__ = map(_operator, (operator.lt, operator.le, operator.gt, operator.ge))
+    __eq__, __ne__ = _operator(operator.eq), _operator(operator.ne)
+    __neg__, __abs__ = _unary(operator.neg), _unary(operator.abs)
