@@ -1,4 +1,4 @@
-"""The command line: parse, call, print. A file for each group of commands."""
+"""The command line: parse, call, print."""
 
 import io
 import os
@@ -7,27 +7,14 @@ import socket
 import sys
 import threading
 import time
-from importlib.metadata import version
 from types import ModuleType
 from typing import Annotated, Any
 
 import typer
-import wrapt
 
-from raytrace.cli.bench import bench
-from raytrace.cli.certify import certify, verify
-from raytrace.cli.compare import compare
-from raytrace.cli.conformance import conformance
-from raytrace.cli.export import export
-from raytrace.cli.golden import check, golden
-from raytrace.cli.inverse import fit_sun, gradients, sun_trials
-from raytrace.cli.mutants import mutants
-from raytrace.cli.render import pixel, render
-from raytrace.cli.scenes import list_scenes, show
-from raytrace.cli.stress import stress
+from raytrace.cli.groups import Commands
 from raytrace.errors import EngineFailure, InputError
 from raytrace.files import reason, remove_unfinished
-from raytrace.image.reading import LARGEST, largest_image
 
 __all__ = ["app", "run"]
 
@@ -36,24 +23,8 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
+    cls=Commands,
 )
-app.command()(render)
-app.command(name="scenes")(list_scenes)
-app.command()(show)
-app.command()(pixel)
-app.command()(export)
-app.command()(bench)
-app.command()(stress)
-app.command()(compare)
-app.command()(golden)
-app.command()(check)
-app.command()(certify)
-app.command()(verify)
-app.command()(mutants)
-app.command()(conformance)
-app.command()(fit_sun)
-app.command()(sun_trials)
-app.command()(gradients)
 
 
 @app.callback(invoke_without_command=True)
@@ -61,14 +32,25 @@ def _without_command(
     context: typer.Context,
     show_version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
     largest: Annotated[
-        int, typer.Option("--largest-image", min=1, help="Images of more pixels are not read.")
-    ] = LARGEST,
+        int | None,
+        typer.Option("--largest-image", min=1, help="Images of more pixels are not read; by default 16384x16384."),
+    ] = None,
 ) -> None:
-    context.with_resource(largest_image(largest))
+    # What is imported here is not needed to print the help.
     if show_version:
+        from importlib.metadata import version
+
         print(f"raytrace {version('raytrace')}")
     elif context.invoked_subcommand is None:
         print(context.get_help())
+    else:
+        import wrapt
+
+        wrapt.register_post_import_hook(_with_all_cores, "jax")
+        if largest is not None:
+            from raytrace.image import largest_image
+
+            context.with_resource(largest_image(largest))
 
 
 # The common base of typer's own errors, of which typer.BadParameter is one, wherever the class is kept.
@@ -103,7 +85,6 @@ def run() -> None:
     _ending_soon({signal.SIGINT, *endings})
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a file's name need not be UTF-8
-    wrapt.register_post_import_hook(_with_all_cores, "jax")
     try:
         code = app(standalone_mode=False)
         if code == _INTERRUPTED:  # typer's own answer to Ctrl-C

@@ -47,7 +47,9 @@ def bench(
         Path | None, typer.Option(help="Also write a plot, .svg or .png; of the times, or with --scaling.")
     ] = None,
 ) -> None:
-    """Time against error of every way to render a scene here, peers included; compilation apart."""
+    """Time every way to render a scene against its error.
+
+    Peers are included; compilation is apart."""
     chosen = [
         name
         for name, value in (

@@ -33,7 +33,7 @@ def certify(
     changes: Changes = [],  # noqa: B006 (typer's way)
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Lower and upper bounds of every pixel, and what of the image they prove."""
+    """Bound every pixel, and say what of the image that proves."""
     from raytrace.certificates import certify as certified
 
     if out and out.suffix.lower() != ".exr":
@@ -64,7 +64,9 @@ def verify(
     marked: Annotated[Path | None, typer.Option(help="Also write the image with the pixels outside in red.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Whether an image, or your shader's on Mesa, is one that a conforming program can print; exit code 1 if not."""
+    """Say whether a conforming program can print an image.
+
+    An image, or your shader's on Mesa; exit code 1 if not."""
     from raytrace.certificates import certify as certified
     from raytrace.certificates import read_certificate
     from raytrace.certificates import verify as verified

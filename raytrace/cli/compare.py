@@ -51,7 +51,7 @@ def compare(
     max_flip: _Most = None,
     max_flip_999: _Most = None,
 ) -> None:
-    """Compare two images: how far they are apart, where, and by which usual mistake."""
+    """Compare two images: how far apart, where, by which mistake."""
     bounds = {name: context.params[name] for name in BOUNDS if context.params[name] is not None}
     if every_backend:
         if a is not None or diff is not None or bounds:

@@ -18,9 +18,10 @@ def conformance(
     engine: Annotated[list[str], typer.Option(help="opengl, webgl, numpy or jax; all of them if none is named.")] = [],  # noqa: B006
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Random scenes on OpenGL, WebGL2, NumPy and JAX in float32: is every pixel within the certified bounds?
+    """Hold random scenes on every engine against their bounds.
 
-    Exit code 1, with a line for each image, if a pixel is outside.
+    On OpenGL, WebGL2, NumPy and JAX in float32: is every pixel within the certified bounds? Exit code 1, with a line
+    for each image, if a pixel is outside.
     """
     from raytrace.scene import scenes as built_in_scenes
     from raytrace.studies.conformance import ENGINES, study

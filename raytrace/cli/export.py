@@ -29,7 +29,7 @@ def export(
     intersection: Annotated[str, typer.Option(help="textbook or robust.")] = "textbook",
     data: Annotated[str, typer.Option(help="The scene's numbers as constants or uniforms (glsl).")] = "constants",
 ) -> None:
-    """Write a scene as GLSL, as GLSL for ShaderLabWeb, or as a web page."""
+    """Write a scene as GLSL, for ShaderLabWeb, or as a web page."""
     check_choice("--to", to, EXPORTS)
     check_choice("--intersection", intersection, INTERSECTIONS)
     check_choice("--data", data, ("constants", "uniforms"))

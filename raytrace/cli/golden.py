@@ -29,7 +29,9 @@ def golden(
         bool, typer.Option("--certify/--no-certify", help="Also bounds: of the exact image, and of a conforming GPU's.")
     ] = True,
 ) -> None:
-    """Write golden images of scenes to a folder, all from NumPy float64, and what they prove."""
+    """Write golden images of scenes, and their bounds, to a folder.
+
+    All are from NumPy float64."""
     found = golden_scenes(None if chosen is None else [name for name in chosen.split(",") if name])
     with progress(len(found), "golden images") as advance:
         for _ in write_goldens(folder, found, size_of(size), certified=certified):
@@ -57,7 +59,9 @@ def check(
     report: Annotated[Path, typer.Option(help="The HTML report.")] = Path("report.html"),
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
 ) -> None:
-    """Check a backend, a shader, or another renderer's images against golden images; exit code 1 if any fails."""
+    """Check a backend, a shader or images against golden images.
+
+    The images may be those of another renderer. Exit code 1 if any fails."""
     shader = options.shader
     if shader is not None and backend is None:
         backend = "opengl"

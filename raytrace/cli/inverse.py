@@ -40,7 +40,9 @@ def fit_sun(
     plot: Annotated[Path | None, typer.Option(help="Also draw the way there, an .svg or .png file.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """The direction of the sun in a picture of a scene; exit code 1 if the picture does not tell it."""
+    """Find the sun's direction in a picture of a scene.
+
+    Exit code 1 if the picture does not tell it."""
     from raytrace.inverse.fit import DoesNotFit, NotDetermined, fitted_scene, steps_of
     from raytrace.inverse.fit import fit_sun as fitted
     from raytrace.inverse.picture import scene_seen
@@ -82,7 +84,9 @@ def sun_trials(
     seed: Annotated[int, typer.Option(help="Of the random suns and of the noise.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """How near fit-sun comes to random suns, from noisy images of 8 bits, and how often its regions hold them."""
+    """Try how near fit-sun comes to random suns.
+
+    From noisy images of 8 bits; and how often its regions hold the sun."""
     from raytrace.studies.trials import summary, trials
 
     if suns < 1:
@@ -119,7 +123,9 @@ def gradients(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """How right the image's derivatives are, with and without edges, against references by boundary integrals."""
+    """Hold the image's derivatives against boundary integrals.
+
+    With edges and without."""
     from raytrace.studies.references import STORED, read_benchmark, read_theirs, write_benchmark
     from raytrace.studies.worlds import PARAMETERS, worlds
 

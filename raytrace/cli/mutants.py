@@ -13,7 +13,9 @@ __all__ = ["mutants"]
 def mutants(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """One-line mistakes in the GLSL, on OpenGL: which do certified bounds find, and which do metrics?
+    """Try which one-line mistakes bounds find, and which metrics.
+
+    The mistakes are in the GLSL, and are drawn on OpenGL; the bounds are certified.
 
     Exit code 1 if a correct engine is outside the bounds.
     """

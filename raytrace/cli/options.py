@@ -12,7 +12,6 @@ from typing import Annotated, Any, get_args, get_type_hints
 import typer
 
 from raytrace.errors import InputError
-from raytrace.glsl.matching import parse_uniforms
 from raytrace.rendering import Options, check_size
 
 __all__ = ["Changes", "Layer", "Scene", "Size", "check_outputs", "progress", "size_of", "taking_options"]
@@ -52,7 +51,7 @@ def taking_options(*names: str, **defaults: Any) -> Callable[[Callable], Callabl
         @wraps(command)
         def with_flags(**given: Any) -> None:
             chosen = {name: given.pop(name) for name in names}
-            read = {"size": size_of, "uniforms": parse_uniforms}
+            read = {"size": size_of, "uniforms": _uniforms_of}
             return command(
                 options=Options(**{name: read[name](text) if name in read else text for name, text in chosen.items()}),
                 **given,
@@ -79,6 +78,14 @@ def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[str | Path | 
     for out in outputs:
         if out is not None and out.exists() and any(os.path.samefile(out, path) for path in given):
             raise InputError(f"{out}: is an input, too; give the output another name")
+
+
+def _uniforms_of(texts: list[str]) -> dict[str, Any]:
+    if not texts:
+        return {}
+    from raytrace.glsl.matching import parse_uniforms
+
+    return parse_uniforms(texts)
 
 
 def size_of(text: str) -> tuple[int, int]:

@@ -11,7 +11,6 @@ import typer
 from raytrace.cli.options import Changes, Scene, check_outputs, progress, taking_options
 from raytrace.errors import InputError
 from raytrace.image import file_format, image_file
-from raytrace.notebook.pixel import pixel_report
 from raytrace.rendering import Options, Rendering
 from raytrace.scene import load_scene
 from raytrace.scene.toml import DEFAULT_SCENE
@@ -123,5 +122,7 @@ def pixel(
     y: Annotated[int, typer.Argument(help="Row, from 0 on top.")],
     changes: Changes = [],  # noqa: B006
 ) -> None:
-    """Print every step of the shader at one pixel, beside its line of GLSL."""
+    """Print every step of the shader at a pixel, with its GLSL."""
+    from raytrace.notebook.pixel import pixel_report
+
     print(pixel_report(Rendering(replace(options, scene=load_scene(scene, changes), output="steps")), x, y))

@@ -26,6 +26,6 @@ def show(
     size: Size = "1920x1080",
     changes: Changes = [],  # noqa: B006
 ) -> None:
-    """Print a scene as TOML, or as the uniforms that a shader is given."""
+    """Print a scene as TOML, or as the uniforms of a shader."""
     loaded = load_scene(scene, changes)
     print(json.dumps(uniforms_report(loaded, size_of(size)), indent=1) if as_json else scene_toml(loaded).rstrip())

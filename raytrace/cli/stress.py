@@ -19,7 +19,9 @@ def stress(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     plot: Annotated[Path | None, typer.Option(help="A folder: also write a figure of each axis there, PNG.")] = None,
 ) -> None:
-    """Each formula against exact arithmetic, on every arithmetic; exit code 1 if a documented bound does not hold."""
+    """Hold each formula against exact arithmetic.
+
+    In every arithmetic; exit code 1 if a documented bound does not hold."""
     try:
         import flint  # noqa: F401
     except ImportError:
