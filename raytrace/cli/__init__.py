@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import typer
 
 from raytrace.cli.groups import Commands
+from raytrace.cli.waits import show_waits
 from raytrace.errors import EngineFailure, InputError
 from raytrace.files import reason, remove_unfinished
 
@@ -46,6 +47,7 @@ def _without_command(
     else:
         import wrapt
 
+        show_waits()
         wrapt.register_post_import_hook(_with_all_cores, "jax")
         if largest is not None:
             from raytrace.image import largest_image

@@ -6,7 +6,8 @@ from typing import Annotated, Any
 
 import typer
 
-from raytrace.cli.options import Size, progress, size_of
+from raytrace.cli.options import Size, size_of
+from raytrace.cli.waits import progress
 from raytrace.errors import InputError, check_choice
 from raytrace.files import check_figure
 from raytrace.scene.toml import DEFAULT_SCENE

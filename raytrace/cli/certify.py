@@ -9,7 +9,8 @@ import numpy as np
 import typer
 
 from raytrace.certificates.verify import proposal
-from raytrace.cli.options import Changes, Layer, Scene, Size, check_outputs, progress, size_of, taking_options
+from raytrace.cli.options import Changes, Layer, Scene, Size, check_outputs, size_of, taking_options
+from raytrace.cli.waits import progress
 from raytrace.errors import InputError
 from raytrace.image.depth import Depth
 from raytrace.rendering import Options, Rendering

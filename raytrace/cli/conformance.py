@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import progress
+from raytrace.cli.waits import progress
 from raytrace.errors import check_choice
 
 __all__ = ["conformance"]

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Layer, Size, check_outputs, progress, size_of, taking_options
+from raytrace.cli.options import Layer, Size, check_outputs, size_of, taking_options
+from raytrace.cli.waits import progress
 from raytrace.errors import InputError
 from raytrace.glsl.source import read_shader
 from raytrace.golden import backend_source, folder_source, golden_folder, golden_scenes, write_goldens, write_report

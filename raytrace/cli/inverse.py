@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Changes, Layer, Scene, Size, check_outputs, progress, size_of
+from raytrace.cli.options import Changes, Layer, Scene, Size, check_outputs, size_of
+from raytrace.cli.waits import progress
 from raytrace.errors import InputError, check_choice
 from raytrace.files import check_figure
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene

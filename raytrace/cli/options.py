@@ -1,10 +1,8 @@
-"""What several commands share: options, sizes, progress."""
+"""What several commands share: options and sizes."""
 
 import inspect
 import os
-import sys
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_type_hints
@@ -14,7 +12,7 @@ import typer
 from raytrace.errors import InputError
 from raytrace.rendering import Options, check_size
 
-__all__ = ["Changes", "Layer", "Scene", "Size", "check_outputs", "progress", "size_of", "taking_options"]
+__all__ = ["Changes", "Layer", "Scene", "Size", "check_outputs", "size_of", "taking_options"]
 
 Scene = Annotated[str, typer.Argument(help="A built-in scene's name (see 'raytrace scenes') or a TOML file.")]
 Size = Annotated[str, typer.Option(help="WIDTHxHEIGHT in pixels.")]
@@ -96,19 +94,3 @@ def size_of(text: str) -> tuple[int, int]:
         raise InputError(f"size: must be WIDTHxHEIGHT, such as 1920x1080, found {text!r}") from None
     check_size(size)
     return size
-
-
-@contextmanager
-def progress(total: int, what: str = "rendering") -> Iterator:
-    """A progress bar on a terminal, nothing anywhere else; gives the function that advances it."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        yield lambda done: None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    # What is printed meanwhile must not end up beside the bar, on standard error, where it was not meant to be.
-    to_terminal = sys.stdout is not None and sys.stdout.isatty()
-    with Progress(console=Console(stderr=True), transient=True, redirect_stdout=to_terminal) as bar:
-        task = bar.add_task(what, total=total)
-        yield lambda done: bar.advance(task, done)

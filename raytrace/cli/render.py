@@ -8,7 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from raytrace.cli.options import Changes, Scene, check_outputs, progress, taking_options
+from raytrace.cli.options import Changes, Scene, check_outputs, taking_options
+from raytrace.cli.waits import progress
 from raytrace.errors import InputError
 from raytrace.image import file_format, image_file
 from raytrace.rendering import Options, Rendering

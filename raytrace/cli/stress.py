@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import typer
 
-from raytrace.cli.options import progress
+from raytrace.cli.waits import progress
 from raytrace.errors import InputError
 
 __all__ = ["stress"]

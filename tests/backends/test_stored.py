@@ -1,6 +1,7 @@
 """Programs on disk and in memory: no more of either than is promised."""
 
 import gc
+import logging
 import os
 from pathlib import Path
 
@@ -83,3 +84,12 @@ def test_a_folder_that_others_may_write_to_is_not_used(tmp_path, monkeypatch, mo
     raytrace.render("skybox", (11, 4))
     renderer._compiled.cache_clear()
     assert list(folder.iterdir()) == []
+
+
+def test_a_wait_is_logged_with_its_end(caplog, monkeypatch):
+    monkeypatch.setenv("RAYTRACE_CACHE", "off")
+    with caplog.at_level(logging.INFO, "raytrace"):
+        assert stored.stored("a program", [], lambda: 1) == 1
+        with pytest.raises(ZeroDivisionError):
+            stored.stored("another", [], lambda: 1 / 0)
+    assert [(record.levelname, record.waits) for record in caplog.records] == [("INFO", True), ("INFO", False)] * 2

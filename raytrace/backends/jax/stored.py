@@ -8,14 +8,16 @@ The environment variable RAYTRACE_CACHE names another folder, or is "off". Withi
 """
 
 import hashlib
+import logging
 import os
 import pickle
 import platform
 import stat
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +30,8 @@ from raytrace.files import whole_file
 from raytrace.shader.uniforms import Program
 
 __all__ = ["choices_as_text", "not_stored", "stored"]
+
+LOG = logging.getLogger("raytrace")
 
 #: Bytes of the SHA-256 that a file begins with, of all the others in it.
 DIGEST = hashlib.sha256().digest_size
@@ -67,27 +71,37 @@ def stored(name: str | None, devices: Sequence[Any], compiled: Callable[[], Any]
     A name holds everything that the program depends on, but for the machine and the versions. ``None`` for a program
     that has no such name. It runs on `devices`. Whatever goes wrong with the folder, there is a program.
     """
-    place = folder()
+    place, made = folder(), partial(_told, compiled)
     if name is None or place is None:
-        return compiled()
+        return made()
     digest = hashlib.sha256("\n".join([_here(), name]).encode()).hexdigest()
     path = place / f"{digest[:40]}.program"
     with suppress(OSError):  # a read-only disk
         place.mkdir(parents=True, exist_ok=True, mode=0o700)
     if not _trusted(place):
-        return compiled()
+        return made()
     with suppress(Exception):  # no such file, or one that does not load
         content = _whole(path)
         program = serialize_executable.deserialize_and_load(*pickle.loads(content), execution_devices=devices)
         os.utime(path)
         return program
-    program = compiled()
+    program = made()
     with suppress(Exception):  # a full disk, or a program that cannot be stored
         content = pickle.dumps(serialize_executable.serialize(program))
         with suppress(InputError), whole_file(path, durable=False) as temporary:
             temporary.write_bytes(hashlib.sha256(content).digest() + content)
         _prune(place)
     return program
+
+
+def _told(compiled: Callable[[], Any]) -> Any:
+    """Compile, and log that it takes a while, and how long it took."""
+    LOG.info("compiling for this machine, once for this size: some seconds", extra={"waits": True})
+    begun = time.perf_counter()
+    try:
+        return compiled()
+    finally:
+        LOG.info("compiled in %.1f s", time.perf_counter() - begun, extra={"waits": False})
 
 
 def _trusted(place: Path) -> bool:

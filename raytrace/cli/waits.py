@@ -1,0 +1,89 @@
+"""What a user sees on a terminal while something takes time."""
+
+import logging
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+__all__ = ["Waits", "progress", "show_waits"]
+
+
+def _on_a_terminal() -> bool:
+    return sys.stderr is not None and sys.stderr.isatty()
+
+
+class Waits(logging.Handler):
+    """Shows what the library logs of a wait (an attribute `waits` of the record) as long as it lasts.
+
+    Within `progress` the bar's text says it, else there is a spinner.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(logging.INFO)
+        self._bar: Any = None
+        self._shown: Any = None
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Begin to show a wait, or end it."""
+        waits = getattr(record, "waits", None)
+        if waits is None:
+            return
+        if self._bar is not None:
+            self._bar.update(self._bar.task_ids[0], description=record.getMessage() if waits else "")
+        elif waits:
+            from rich.console import Console
+            from rich.status import Status
+
+            self._shown = Status(record.getMessage(), console=Console(stderr=True))
+            self._shown.start()
+        elif self._shown is not None:
+            self._shown.stop()
+            self._shown = None
+
+    @contextmanager
+    def shown_by(self, bar: Any) -> Iterator[None]:
+        """Within this context the text of a bar's first task says what is waited for."""
+        self._bar = bar
+        try:
+            yield
+        finally:
+            self._bar = None
+
+
+_waits = Waits()
+
+
+def show_waits() -> None:
+    """Show from now on, on a terminal, what the library waits for."""
+    if _on_a_terminal():
+        log = logging.getLogger("raytrace")
+        log.setLevel(logging.INFO)
+        log.addHandler(_waits)
+
+
+@contextmanager
+def progress(total: int, what: str = "rendering") -> Iterator:
+    """Show progress on a terminal, nothing anywhere else; gives the function that advances it.
+
+    Until something has advanced it only says that it works, and for how long: a bar at 0 % would say nothing.
+    """
+    if not _on_a_terminal():
+        yield lambda done: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+    columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn()
+    # What is printed meanwhile must not end up beside the bar, on standard error, where it was not meant to be.
+    to_terminal = sys.stdout is not None and sys.stdout.isatty()
+    with (
+        Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=to_terminal) as bar,
+        _waits.shown_by(bar),
+    ):
+        task = bar.add_task(what, total=None)
+
+        def advance(done: float) -> None:
+            bar.update(task, advance=done, total=total, description=what)
+
+        yield advance
