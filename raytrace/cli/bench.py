@@ -144,7 +144,7 @@ def _figures(size: tuple[int, int], runs: int, rest: float, as_json: bool) -> No
 
     found, missing = [], []
     if not as_json:
-        print(f"{'':66} {'reached':>9} {'at most':>9}", flush=True)
+        print(f"{'':74} {'reached':>9} {'at most':>9}", flush=True)
     for figure in figures(size, runs, rest):
         if not isinstance(figure, Figure):
             missing.append(figure)
@@ -153,7 +153,7 @@ def _figures(size: tuple[int, int], runs: int, rest: float, as_json: bool) -> No
         if not as_json:
             missed = "" if figure.reached <= figure.at_most else "  missed"
             print(
-                f"{figure.name:66} {figure.reached:9.3g} {figure.at_most:9.3g}  ({figure.detail}){missed}", flush=True
+                f"{figure.name:74} {figure.reached:9.3g} {figure.at_most:9.3g}  ({figure.detail}){missed}", flush=True
             )
     if as_json:
         print(
