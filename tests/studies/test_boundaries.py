@@ -20,7 +20,7 @@ def of(scene, *names, size=SIZE, scanlines=8):
 @pytest.mark.parametrize(
     ("seed", "parameter", "samples"),
     [
-        (1, "sun azimuth", 12),
+        pytest.param(1, "sun azimuth", 12, marks=pytest.mark.full),
         (2, "sphere's radius", 24),
         pytest.param(3, "camera's x", 32, marks=pytest.mark.full),
     ],
