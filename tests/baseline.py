@@ -89,9 +89,9 @@ def names() -> Iterator[tuple[str, np.ndarray]]:
             for member, inner in sorted(vars(value).items()):
                 if not member.startswith("_"):
                     yield f"{name}.{member}", np.array(_signature(inner))
-    from raytrace.cli.groups import GROUPS, command
+    from raytrace.cli.groups import COMMANDS, command
 
-    for name, one in ((name, command(name)) for group in GROUPS.values() for name in group):
+    for name, one in ((name, command(name)) for name in COMMANDS):
         yield f"raytrace {name}", np.array(" ".join(sorted(str(option) for p in one.params for option in p.opts)))
 
 

@@ -30,10 +30,9 @@ _SERVER = (
     + """
 import json, os, sys
 import jax, numpy, raytrace.cli
-from raytrace.cli.groups import GROUPS, command
-for group in GROUPS.values():
-    for name in group:
-        command(name)
+from raytrace.cli.groups import COMMANDS, command
+for name in COMMANDS:
+    command(name)
 for line in sys.stdin:
     asked = json.loads(line)
     child = os.fork()

@@ -241,7 +241,7 @@ def test_an_ignored_signal_stays_ignored(name, number):
 
 
 def on_a_terminal(args, **environment):
-    """What a command shows on a terminal, as standard error."""
+    """What a command shows on a terminal, as standard error, and what it prints."""
     terminal, child = pty.openpty()
     environment = os.environ | {"TERM": "xterm", "COLUMNS": "120"} | environment
     with started(args, stdout=subprocess.PIPE, stderr=child, text=True, env=environment) as process:
@@ -254,27 +254,31 @@ def on_a_terminal(args, **environment):
                 break
             shown += part
         assert process.wait(timeout=60) == 0
-        assert process.stdout.read().strip()
-    return shown.decode()
+        return shown.decode(), process.stdout.read()
 
 
 def test_a_terminal_sees_progress_and_a_pipe_does_not():
     args = [*COMMAND, "render", "--size", "2000x1500", "--backend", "numpy", "-o", "a.png"]
-    shown = on_a_terminal(args)
+    shown, printed = on_a_terminal(args)
+    assert printed.count("\n") == 1
     assert "rendering" in shown
     assert "compiling" not in shown
     assert subprocess.run(args, capture_output=True, check=True).stderr == b""
 
 
 def test_a_terminal_sees_that_something_compiles():
-    shown = on_a_terminal([*COMMAND, "render", "skybox", "--size", "16x9", "-o", "a.png"], RAYTRACE_CACHE="off")
+    shown, printed = on_a_terminal(
+        [*COMMAND, "render", "skybox", "--size", "16x9", "-o", "a.png"], RAYTRACE_CACHE="off"
+    )
+    assert printed.count("\n") == 1
     assert "compiling for this machine" in shown
     # No bar that stands at its beginning.
     assert "  0%" not in shown
     # Without a bar a spinner says it.
-    shown = on_a_terminal(
+    shown, printed = on_a_terminal(
         [*COMMAND, "compare", "a.png", "backend:jax", "--size", "16x9", "--no-diagnose", "--json"], RAYTRACE_CACHE="off"
     )
+    assert json.loads(printed)
     assert "compiling for this machine" in shown
 
 

@@ -12,20 +12,14 @@ from typing import Annotated, Any
 
 import typer
 
-from raytrace.cli.groups import Commands
+from raytrace.cli.groups import PLAIN, Commands
 from raytrace.cli.waits import show_waits
 from raytrace.errors import EngineFailure, InputError
 from raytrace.files import reason, remove_unfinished
 
 __all__ = ["app", "run"]
 
-app = typer.Typer(
-    help="The reference implementation of the ray tracing assignment.",
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-    cls=Commands,
-)
+app = typer.Typer(help="The reference implementation of the ray tracing assignment.", cls=Commands, **PLAIN)
 
 
 @app.callback(invoke_without_command=True)

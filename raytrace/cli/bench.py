@@ -50,7 +50,8 @@ def bench(
 ) -> None:
     """Time every way to render a scene against its error.
 
-    Peers are included; compilation is apart."""
+    Peers are included; compilation is apart.
+    """
     chosen = [
         name
         for name, value in (

@@ -67,7 +67,8 @@ def verify(
 ) -> None:
     """Say whether a conforming program can print an image.
 
-    An image, or your shader's on Mesa; exit code 1 if not."""
+    An image, or your shader's on Mesa; exit code 1 if not.
+    """
     from raytrace.certificates import certify as certified
     from raytrace.certificates import read_certificate
     from raytrace.certificates import verify as verified

@@ -32,7 +32,8 @@ def golden(
 ) -> None:
     """Write golden images of scenes, and their bounds, to a folder.
 
-    All are from NumPy float64."""
+    All are from NumPy float64.
+    """
     found = golden_scenes(None if chosen is None else [name for name in chosen.split(",") if name])
     with progress(len(found), "golden images") as advance:
         for _ in write_goldens(folder, found, size_of(size), certified=certified):
@@ -62,7 +63,8 @@ def check(
 ) -> None:
     """Check a backend, a shader or images against golden images.
 
-    The images may be those of another renderer. Exit code 1 if any fails."""
+    The images may be those of another renderer. Exit code 1 if any fails.
+    """
     shader = options.shader
     if shader is not None and backend is None:
         backend = "opengl"

@@ -8,7 +8,10 @@ from typing import Any, NamedTuple
 import typer
 from typer.core import TyperGroup
 
-__all__ = ["GROUPS", "Commands", "command"]
+__all__ = ["COMMANDS", "PLAIN", "Commands", "command"]
+
+#: How Typer shows a command: as plain text, and errors are raised to whoever runs it.
+PLAIN: dict[str, Any] = {"add_completion": False, "pretty_exceptions_enable": False, "rich_markup_mode": None}
 
 
 class Place(NamedTuple):
@@ -48,13 +51,14 @@ GROUPS: dict[str, dict[str, Place]] = {
         "sun-trials": Place("inverse", "sun_trials"),
     },
 }
-_PLACES = {name: place for group in GROUPS.values() for name, place in group.items()}
+#: All commands by name.
+COMMANDS = {name: place for group in GROUPS.values() for name, place in group.items()}
 
 
 def command(name: str) -> Any:
     """Return the command of that name, imported."""
-    place = _PLACES[name]
-    alone = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+    place = COMMANDS[name]
+    alone = typer.Typer(**PLAIN)
     alone.command(name)(getattr(import_module(f"raytrace.cli.{place.module}"), place.function))
     return typer.main.get_command(alone)
 
@@ -64,7 +68,7 @@ class Commands(TyperGroup):
 
     def __init__(self, **attributes: Any):
         super().__init__(**attributes)
-        self.commands: Any = dict.fromkeys(_PLACES)
+        self.commands: Any = dict.fromkeys(COMMANDS)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         if cmd_name not in self.commands:
@@ -74,7 +78,7 @@ class Commands(TyperGroup):
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section for each group: the summaries are read, and nothing is imported."""
-        widest = max(map(len, _PLACES))
+        widest = max(map(len, COMMANDS))
         for group, places in GROUPS.items():
             with formatter.section(group):
                 formatter.write_dl([(name.ljust(widest), _summary(place)) for name, place in places.items()])

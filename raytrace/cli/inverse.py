@@ -43,7 +43,8 @@ def fit_sun(
 ) -> None:
     """Find the sun's direction in a picture of a scene.
 
-    Exit code 1 if the picture does not tell it."""
+    Exit code 1 if the picture does not tell it.
+    """
     from raytrace.inverse.fit import DoesNotFit, NotDetermined, fitted_scene, steps_of
     from raytrace.inverse.fit import fit_sun as fitted
     from raytrace.inverse.picture import scene_seen
@@ -87,7 +88,8 @@ def sun_trials(
 ) -> None:
     """Try how near fit-sun comes to random suns.
 
-    From noisy images of 8 bits; and how often its regions hold the sun."""
+    From noisy images of 8 bits; and how often its regions hold the sun.
+    """
     from raytrace.studies.trials import summary, trials
 
     if suns < 1:
@@ -126,7 +128,8 @@ def gradients(
 ) -> None:
     """Hold the image's derivatives against boundary integrals.
 
-    With edges and without."""
+    With edges and without.
+    """
     from raytrace.studies.references import STORED, read_benchmark, read_theirs, write_benchmark
     from raytrace.studies.worlds import PARAMETERS, worlds
 

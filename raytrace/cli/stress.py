@@ -21,7 +21,8 @@ def stress(
 ) -> None:
     """Hold each formula against exact arithmetic.
 
-    In every arithmetic; exit code 1 if a documented bound does not hold."""
+    In every arithmetic; exit code 1 if a documented bound does not hold.
+    """
     try:
         import flint  # noqa: F401
     except ImportError:

@@ -2,7 +2,7 @@
 
 import logging
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -21,7 +21,7 @@ class Waits(logging.Handler):
 
     def __init__(self) -> None:
         super().__init__(logging.INFO)
-        self._bar: Any = None
+        self._tell: Callable[[str | None], object] | None = None
         self._shown: Any = None
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -29,8 +29,8 @@ class Waits(logging.Handler):
         waits = getattr(record, "waits", None)
         if waits is None:
             return
-        if self._bar is not None:
-            self._bar.update(self._bar.task_ids[0], description=record.getMessage() if waits else "")
+        if self._tell is not None:
+            self._tell(record.getMessage() if waits else None)
         elif waits:
             from rich.console import Console
             from rich.status import Status
@@ -42,13 +42,13 @@ class Waits(logging.Handler):
             self._shown = None
 
     @contextmanager
-    def shown_by(self, bar: Any) -> Iterator[None]:
-        """Within this context the text of a bar's first task says what is waited for."""
-        self._bar = bar
+    def told_to(self, tell: Callable[[str | None], object]) -> Iterator[None]:
+        """Within this context `tell` is given the text of each wait, and ``None`` at its end."""
+        self._tell = tell
         try:
             yield
         finally:
-            self._bar = None
+            self._tell = None
 
 
 _waits = Waits()
@@ -77,13 +77,11 @@ def progress(total: int, what: str = "rendering") -> Iterator:
     columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn()
     # What is printed meanwhile must not end up beside the bar, on standard error, where it was not meant to be.
     to_terminal = sys.stdout is not None and sys.stdout.isatty()
-    with (
-        Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=to_terminal) as bar,
-        _waits.shown_by(bar),
-    ):
+    with Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=to_terminal) as bar:
         task = bar.add_task(what, total=None)
 
         def advance(done: float) -> None:
-            bar.update(task, advance=done, total=total, description=what)
+            bar.update(task, advance=done, total=total)
 
-        yield advance
+        with _waits.told_to(lambda text: bar.update(task, description=text or what)):
+            yield advance

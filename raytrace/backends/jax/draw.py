@@ -52,7 +52,7 @@ def draw(
     engine: what `raytrace.backends.jax.choice.engine_of` gives. layout: of `given`; ``None`` where JAX may
     differentiate the pictures. mode: 0, or 1 to skip nothing.
     """
-    if layout is None and given.culled is None:
+    if layout is None:
         given = given._replace(culled=prepare_spheres(engine, given.uniforms, job.program))
     # Each device has some columns of every row, which share the sky and the ground about equally.
     columns = -(-job.frame.width // devices.size)

@@ -9,6 +9,10 @@ import numpy as np
 __all__ = ["Layout", "Parts", "pack"]
 
 
+#: A part of the array: where it begins, how many numbers it has, and its shape.
+Place = tuple[int, int, tuple[int, ...]]
+
+
 class Layout(NamedTuple):
     """What stands where in the array; hashable."""
 
@@ -27,27 +31,28 @@ class Parts:
         self._numbers = numbers
         sizes = [math.prod(shape) for shape in layout.shapes]
         starts = [sum(sizes[:k]) for k in range(len(sizes))]
-        self._places = list(zip(starts, sizes, layout.shapes, strict=True))
-        self._leaves = list(map(self._part, self._places))
-        self._by_id = {id(leaf): place for leaf, place in zip(self._leaves, self._places, strict=True)}
-        self.structure = layout.tree.unflatten(self._leaves)
+        #: By a leaf's identity the leaf, which is held so that no other has it, and its place.
+        self._known: dict[int, tuple[Any, Place]] = {}
+        self.structure = layout.tree.unflatten(map(self._leaf, zip(starts, sizes, layout.shapes, strict=True)))
 
-    def _part(self, place: tuple[int, int, tuple[int, ...]]) -> Any:
+    def _leaf(self, place: Place) -> Any:
+        leaf = self._part(place)
+        self._known[id(leaf)] = leaf, place
+        return leaf
+
+    def _part(self, place: Place) -> Any:
         start, size, shape = place
         return self._numbers[start : start + size].reshape(shape)
 
     def __contains__(self, x: Any) -> bool:
-        return id(x) in self._by_id
+        return id(x) in self._known
 
     def item(self, x: Any, i: int) -> Any:
         """Return ``x[i]`` of an array of shape (n,); of one of the leaves as a part that `here` knows."""
         if x not in self:
             return x[i]
-        start, _, _ = self._by_id[id(x)]
-        place = start + i, 1, ()
-        self._leaves.append(self._part(place))
-        self._by_id[id(self._leaves[-1])] = place
-        return self._leaves[-1]
+        _, (start, _, _) = self._known[id(x)]
+        return self._leaf((start + i, 1, ()))
 
     def column(self, items: list[Any], i: Any) -> Any:
         """Return ``x[i]`` of each of `items` as an array, which one kernel reads; ``None`` if they are no such leaves.
@@ -56,8 +61,9 @@ class Parts:
         """
         if not all(x in self for x in items):
             return None
-        start, n, _ = self._by_id[id(items[0])]
-        if any(self._by_id[id(x)] != (start + k * n, n, (n,)) for k, x in enumerate(items)):
+        places = [self._known[id(x)][1] for x in items]
+        start, n, _ = places[0]
+        if places != [(start + k * n, n, (n,)) for k in range(len(items))]:
             return None
         table = self._numbers[start : start + len(items) * n].reshape(len(items), n)
         return jax.lax.dynamic_index_in_dim(table, i, axis=1, keepdims=False, allow_negative_indices=False)
@@ -68,8 +74,7 @@ class Parts:
         What is taken outside of a body of control flow is a kernel by itself, which is compiled and run. Taken within,
         it is a part of the kernel that reads it.
         """
-        place = self._by_id.get(id(x))
-        return x if place is None else self._part(place)
+        return self._part(self._known[id(x)][1]) if x in self else x
 
 
 def pack(structure: Any, dtype: str) -> tuple[np.ndarray, Layout]:

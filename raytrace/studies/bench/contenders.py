@@ -11,17 +11,7 @@ from raytrace.scene.data import Scene
 from raytrace.scene.toml import as_scene
 from raytrace.studies.bench.peers import installed
 
-__all__ = [
-    "BY_HAND",
-    "DRAWING",
-    "QUERIES",
-    "Contender",
-    "contenders",
-    "drawing_frame",
-    "drjit_frame",
-    "mitsuba_frame",
-    "plain_jit",
-]
+__all__ = ["Contender", "contenders", "drawing_frame", "drjit_frame", "mitsuba_frame", "plain_jit"]
 
 #: What Mitsuba is timed at: not an image. Planes are rectangles there, or are solved by hand.
 QUERIES, BY_HAND = "mitsuba: hits and shadows only", "mitsuba: the same, planes by hand"

@@ -102,7 +102,8 @@ def _name(axes: Any, points: list[tuple[Row, float, str]]) -> None:
         (left, y), (right, _) = axes.transData.transform([(row.timing.fastest, rms), (row.timing.slowest, rms)])
         taken.append(Bbox.from_extents(left - 3, y - 5, right + 3, y + 5))
     for row, rms, color in points:
-        for right, up in _PLACES:
+        for place in _PLACES:
+            right, up = place
             # At the bar's end, or above or below the point.
             at = (row.timing.slowest if right > 0 else row.timing.fastest) if up == 0 else row.timing.median
             text = axes.annotate(
@@ -113,7 +114,8 @@ def _name(axes: Any, points: list[tuple[Row, float, str]]) -> None:
             text.update_positions(renderer)
             box = Text.get_window_extent(text, renderer)  # without the line to the point
             inside = axes.bbox.x0 < box.x0 and box.x1 < axes.bbox.x1 and axes.bbox.y0 < box.y0 and box.y1 < axes.bbox.y1
-            if inside and not any(box.overlaps(other) for other in taken):
+            # Where there is no room the name stands at the last place all the same.
+            if (inside and not any(box.overlaps(other) for other in taken)) or place == _PLACES[-1]:
                 taken.append(box.padded(2))
                 break
             text.remove()
