@@ -1,9 +1,12 @@
-"""Files that appear whole or not at all, figures among them."""
+"""Files and folders that appear whole or not at all, figures among them."""
 
 import os
 import secrets
+import shutil
+import tempfile
+import threading
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,14 +16,28 @@ from raytrace.errors import InputError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["check_figure", "parsed_toml", "read_text", "reason", "remove_unfinished", "save_figure", "whole_file"]
+__all__ = [
+    "check_figure",
+    "parsed_toml",
+    "read_text",
+    "reason",
+    "remove_unfinished",
+    "save_figure",
+    "temporary_folder",
+    "whole_file",
+    "whole_folder",
+]
 
 #: What a figure's file can be called.
 FIGURES = (".svg", ".png")
 
 
-#: What `whole_file` is writing.
+#: Files and folders that are there only for a time.
 _unfinished: set[Path] = set()
+#: Held while one of them comes, goes or gets its own name.
+_changing = threading.Lock()
+#: Seconds in which a process that ends waits for it: a disk may hang.
+_LONGEST_CHANGE = 2.0
 
 
 def reason(error: OSError) -> str:
@@ -85,30 +102,90 @@ def whole_file(path: Path, durable: bool = True) -> Iterator[Path]:
         raise InputError(f"{shown}: is not a regular file; give another name")
     if os.path.exists(path) and not os.access(path, os.W_OK):
         raise InputError(f"{shown}: cannot be written: permission denied")
-    temporary = path.with_name(f".{path.stem[:32]}-{secrets.token_hex(4)}{path.suffix}")
-    _unfinished.add(temporary)
+    beside = path.with_name(f".{path.stem[:32]}-{secrets.token_hex(4)}{path.suffix}")
     try:
-        # With the permissions of any new file.
-        os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
-        yield temporary
-        if durable:
-            _to_disk(temporary)
-        if path.exists():
-            temporary.chmod(path.stat().st_mode)
-        temporary.replace(path)
+        with _temporary(beside, _new_file) as temporary:
+            yield temporary
+            if durable:
+                _to_disk(temporary)
+            with _changing:
+                if path.exists():
+                    temporary.chmod(path.stat().st_mode)
+                temporary.replace(path)
     except OSError as error:
         raise InputError(f"{shown}: cannot be written: {reason(error)}") from None
+
+
+@contextmanager
+def whole_folder(folder: Path) -> Iterator[Path]:
+    """A temporary folder beside `folder`, to be filled by the body; it takes its place when the body ends well.
+
+    Whatever goes wrong, an interruption included, leaves what `folder` was.
+
+    Raises:
+        InputError: nothing can be written there.
+    """
+    shown, folder = folder, Path(os.path.realpath(folder))
+    try:
+        with _temporary(folder.with_name(f".{folder.name}-{secrets.token_hex(4)}"), Path.mkdir) as temporary:
+            yield temporary
+            with _changing:
+                old = temporary.with_name(f"{temporary.name}-old")
+                if folder.exists():
+                    folder.rename(old)
+                try:
+                    temporary.rename(folder)
+                except OSError:
+                    old.rename(folder)
+                    raise
+                shutil.rmtree(old, ignore_errors=True)
+    except OSError as error:
+        raise InputError(f"{shown}: cannot be written: {reason(error)}") from None
+
+
+@contextmanager
+def temporary_folder(place: str | None = None) -> Iterator[Path]:
+    """A folder for this process alone, which is gone after the body; in the system's place for such, or in `place`."""
+    path = Path(place or tempfile.gettempdir()) / f"raytrace-{secrets.token_hex(8)}"
+    with _temporary(path, lambda path: path.mkdir(0o700)) as folder:
+        yield folder
+
+
+@contextmanager
+def _temporary(path: Path, make: Callable[[Path], object]) -> Iterator[Path]:
+    """What `make` makes at `path`, until the body ends, or until the process ends by `remove_unfinished`."""
+    try:
+        with _changing:
+            _unfinished.add(path)
+            make(path)
+        yield path
     finally:
-        with suppress(OSError):
-            temporary.unlink()
-        _unfinished.discard(temporary)
+        with _changing:
+            _remove(path)
+            _unfinished.discard(path)
+
+
+def _new_file(path: Path) -> None:
+    # With the permissions of any new file.
+    os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+        return
+    with suppress(OSError):
+        path.unlink()
 
 
 def remove_unfinished() -> None:
-    """Remove the files that are not whole yet, for a process that ends at once, whatever its threads do."""
+    """Remove what is not whole yet, for a process that ends at once, whatever its threads do.
+
+    From now on nothing more appears: a thread that wants to make a file, or to give one its name, waits for ever.
+    """
+    _changing.acquire(timeout=_LONGEST_CHANGE)
     for path in list(_unfinished):
-        with suppress(OSError):
-            path.unlink()
+        _remove(path)
 
 
 def _to_disk(path: Path) -> None:

@@ -240,20 +240,25 @@ def test_an_ignored_signal_stays_ignored(name, number):
     assert [file.name for file in Path().iterdir()] == ["checkerboard.png"]
 
 
-def on_a_terminal(args, **environment):
-    """What a command shows on a terminal, as standard error, and what it prints."""
+def on_a_terminal(args, interrupted_at=None, **environment):
+    """What a command shows on a terminal, as standard error, and what it prints.
+
+    interrupted_at: what it has shown when it gets SIGINT.
+    """
     terminal, child = pty.openpty()
     environment = os.environ | {"TERM": "xterm", "COLUMNS": "120"} | environment
     with started(args, stdout=subprocess.PIPE, stderr=child, text=True, env=environment) as process:
         os.close(child)
-        shown = b""
+        shown, interrupted = b"", interrupted_at
         while True:
             try:
                 part = os.read(terminal, 4096)
             except OSError:
                 break
             shown += part
-        assert process.wait(timeout=60) == 0
+            if interrupted_at is not None and interrupted_at in shown:
+                interrupted_at = process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=60) == (0 if interrupted is None else 130)
         return shown.decode(), process.stdout.read()
 
 
@@ -280,6 +285,18 @@ def test_a_terminal_sees_that_something_compiles():
     )
     assert json.loads(printed)
     assert "compiling for this machine" in shown
+
+
+@pytest.mark.parametrize("backend", some(["jax", "numpy"], "jax"))
+def test_an_interruption_gives_the_terminal_back(backend):
+    """While XLA compiles, too, which takes longer than anybody waits after Ctrl-C."""
+    args = [*COMMAND, "render", "--size", "8000x8000", "--backend", backend, "-o", "a.png"]
+    shown, printed = on_a_terminal(args, b"compiling" if backend == "jax" else b"rendering", RAYTRACE_CACHE="off")
+    shows, hides = "\x1b[?25h", "\x1b[?25l"
+    assert shown.count(hides) == shown.count(shows) > 0
+    assert shown.endswith("raytrace: interrupted\r\n")
+    assert hides not in shown.rpartition(shows)[2]
+    assert (printed, list(Path().iterdir())) == ("", [])
 
 
 def test_an_output_that_is_an_input_is_refused():

@@ -2,20 +2,17 @@
 
 import io
 import os
-import signal
-import socket
 import sys
-import threading
-import time
 from types import ModuleType
 from typing import Annotated, Any
 
 import typer
 
 from raytrace.cli.groups import PLAIN, Commands
+from raytrace.cli.signals import end_at_signals
 from raytrace.cli.waits import show_waits
 from raytrace.errors import EngineFailure, InputError
-from raytrace.files import reason, remove_unfinished
+from raytrace.files import reason
 
 __all__ = ["app", "run"]
 
@@ -57,9 +54,6 @@ _UsageError: Any = next(base for base in typer.BadParameter.__mro__ if base.__na
 LONGEST_LINE = 290
 
 _RAN_AND_FAILED = 1
-_INTERRUPTED = 130
-#: Seconds in which the program may end by itself after a signal.
-_GRACE = 3.0
 
 
 def run() -> None:
@@ -71,20 +65,11 @@ def run() -> None:
             os.fstat(stream)
         except OSError:
             os.open(os.devnull, os.O_RDWR)
-    # As `timeout` and service managers end a process: it cleans up behind itself then too. A signal that is ignored, as
-    # under `nohup`, stays ignored; so does SIGINT in a background job, which Python sees to.
-    # Not every system has them all.
-    endings = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)]
-    for ending in endings:
-        if signal.getsignal(ending) != signal.SIG_IGN:
-            signal.signal(ending, lambda number, _: sys.exit(128 + number))
-    _ending_soon({signal.SIGINT, *endings})
+    end_at_signals()
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a file's name need not be UTF-8
     try:
         code = app(standalone_mode=False)
-        if code == _INTERRUPTED:  # typer's own answer to Ctrl-C
-            raise KeyboardInterrupt
         if sys.stdout is not None:
             sys.stdout.flush()
     except InputError as error:
@@ -93,38 +78,15 @@ def run() -> None:
         code = _failed(str(error), _RAN_AND_FAILED)
     except _UsageError as error:
         code = _failed(error.format_message())
-    except (KeyboardInterrupt, typer.Abort):
-        code = _failed("interrupted", _INTERRUPTED)
     except BrokenPipeError:
         code = 0  # whoever reads has seen enough
     except OSError as error:
         code = _failed(f"standard output: cannot be written: {reason(error)}")
     except SystemExit as ended:
         code = ended.code
-    # Not by way of the interpreter's end: after an interruption XLA may still be computing in a thread of its own,
-    # and would crash when the interpreter is taken down under it.
+    # Not by way of the interpreter's end: after an error XLA may still be computing in a thread of its own, and would
+    # crash when the interpreter is taken down under it.
     os._exit(code if isinstance(code, int) else 1 if code else 0)
-
-
-def _ending_soon(endings: set[signal.Signals]) -> None:
-    """Ends the process some seconds after a signal, when Python cannot: a compiler, or other hosts, may take minutes.
-
-    Python's own handlers wait for them. What the system says of a signal at once, a thread can read.
-    """
-    heard, told = socket.socketpair()
-    told.setblocking(False)
-    signal.set_wakeup_fd(told.detach(), warn_on_full_buffer=False)
-
-    def watch() -> None:
-        while (number := heard.recv(1)[0]) not in endings:
-            pass  # of another handler
-        time.sleep(_GRACE)
-        remove_unfinished()
-        if number == signal.SIGINT:
-            _failed("interrupted")
-        os._exit(128 + number)
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 def _with_all_cores(jax: ModuleType) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["Waits", "progress", "show_waits"]
+__all__ = ["Waits", "hide_waits", "progress", "show_waits"]
 
 
 def _on_a_terminal() -> bool:
@@ -22,6 +22,7 @@ class Waits(logging.Handler):
     def __init__(self) -> None:
         super().__init__(logging.INFO)
         self._tell: Callable[[str | None], object] | None = None
+        #: What is on the terminal now, a bar or a spinner; `stop` takes it away, and shows the cursor again.
         self._shown: Any = None
 
     def emit(self, record: logging.LogRecord) -> None:
@@ -37,18 +38,23 @@ class Waits(logging.Handler):
 
             self._shown = Status(record.getMessage(), console=Console(stderr=True))
             self._shown.start()
-        elif self._shown is not None:
-            self._shown.stop()
-            self._shown = None
+        else:
+            self.hide()
+
+    def hide(self) -> None:
+        """Take what is shown from the terminal."""
+        shown, self._shown = self._shown, None
+        if shown is not None:
+            shown.stop()
 
     @contextmanager
-    def told_to(self, tell: Callable[[str | None], object]) -> Iterator[None]:
-        """Within this context `tell` is given the text of each wait, and ``None`` at its end."""
-        self._tell = tell
+    def told_to(self, bar: Any, tell: Callable[[str | None], object]) -> Iterator[None]:
+        """Within this context a bar is shown, and `tell` is given the text of each wait, and ``None`` at its end."""
+        self._shown, self._tell = bar, tell
         try:
             yield
         finally:
-            self._tell = None
+            self._shown = self._tell = None
 
 
 _waits = Waits()
@@ -60,6 +66,11 @@ def show_waits() -> None:
         log = logging.getLogger("raytrace")
         log.setLevel(logging.INFO)
         log.addHandler(_waits)
+
+
+def hide_waits() -> None:
+    """Take what is shown from the terminal, as the process ends."""
+    _waits.hide()
 
 
 @contextmanager
@@ -83,5 +94,5 @@ def progress(total: int, what: str = "rendering") -> Iterator:
         def advance(done: float) -> None:
             bar.update(task, advance=done, total=total)
 
-        with _waits.told_to(lambda text: bar.update(task, description=text or what)):
+        with _waits.told_to(bar, lambda text: bar.update(task, description=text or what)):
             yield advance

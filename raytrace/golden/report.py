@@ -1,7 +1,6 @@
 """The result of a check as one HTML file: a table to sort, thumbnails, and for what failed the picture of it."""
 
 import base64
-import tempfile
 from collections.abc import Sequence
 from html import escape
 from pathlib import Path
@@ -10,7 +9,7 @@ from string import Template
 import numpy as np
 
 from raytrace.comparison import Comparison, write_diff
-from raytrace.files import whole_file
+from raytrace.files import temporary_folder, whole_file
 from raytrace.golden.checking import Checked
 from raytrace.image import write_image
 
@@ -156,7 +155,7 @@ def _diff(comparison: Comparison) -> str:
 
 
 def _url(write) -> str:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "image.png"
+    with temporary_folder() as folder:
+        path = folder / "image.png"
         write(path)
         return f"data:image/png;base64,{base64.b64encode(path.read_bytes()).decode()}"

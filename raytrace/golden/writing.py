@@ -2,10 +2,7 @@
 
 import json
 import os
-import secrets
-import shutil
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 
@@ -14,7 +11,7 @@ import numpy as np
 from raytrace.certificates import certify
 from raytrace.errors import InputError
 from raytrace.export.numbers import uniforms_report
-from raytrace.files import reason
+from raytrace.files import whole_folder
 from raytrace.golden.golden import SIZE, rendered
 from raytrace.golden.manifest import MANIFEST, Entry, Manifest, file_hash, read_manifest
 from raytrace.image import write_image
@@ -44,7 +41,8 @@ def write_goldens(
     Raises:
         InputError: the folder holds other files, or cannot be written.
     """
-    with _whole_folder(Path(folder)) as temporary:
+    _check_replaceable(Path(folder))
+    with whole_folder(Path(folder)) as temporary:
         entries = {}
         for name, scene in chosen.items():
             steps = _write_scene(temporary, name, scene, size)
@@ -88,29 +86,8 @@ def _write_certificates(folder: Path, name: str, scene: Scene, display: np.ndarr
     return float(np.mean(exact.proven & (exact.levels[0] == np.rint(255 * display))))
 
 
-@contextmanager
-def _whole_folder(folder: Path) -> Iterator[Path]:
-    """A temporary folder beside `folder`, which takes its place when the body ends well."""
-    shown, folder = folder, Path(os.path.realpath(folder))
-    _check_replaceable(shown, folder)
-    temporary = folder.with_name(f".{folder.name}-{secrets.token_hex(4)}")
-    old = temporary.with_name(f"{temporary.name}-old")
-    try:
-        temporary.mkdir()
-        yield temporary
-        if folder.exists():
-            folder.rename(old)
-        temporary.rename(folder)
-    except OSError as error:
-        raise InputError(f"{shown}: cannot be written: {reason(error)}") from None
-    finally:
-        if old.exists() and not folder.exists():
-            old.rename(folder)
-        for left in (temporary, old):
-            shutil.rmtree(left, ignore_errors=True)
-
-
-def _check_replaceable(shown: Path, folder: Path) -> None:
+def _check_replaceable(shown: Path) -> None:
+    folder = Path(os.path.realpath(shown))
     if not folder.parent.is_dir():
         raise InputError(f"{shown}: the folder {shown.parent} does not exist")
     if folder.exists() and not folder.is_dir():

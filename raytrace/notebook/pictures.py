@@ -1,13 +1,12 @@
 """Images as notebooks show them: as PNG, which viewers of repositories show too."""
 
 import io
-import tempfile
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from raytrace.errors import InputError
+from raytrace.files import temporary_folder
 from raytrace.image import write_image
 from raytrace.rendering import render
 from raytrace.scene import Scene
@@ -17,8 +16,8 @@ __all__ = ["Pictures", "pictures", "png", "scene_as_png"]
 
 def png(image: Any) -> bytes:
     """An image (height, width, 3) of display values in [0, 1] as the content of a PNG file of 8 bits."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "image.png"
+    with temporary_folder() as folder:
+        path = folder / "image.png"
         write_image(path, np.asarray(image))
         return path.read_bytes()
 

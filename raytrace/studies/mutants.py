@@ -3,9 +3,7 @@
 Every mistake is drawn in every scene, beside what correct engines print.
 """
 
-import tempfile
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +12,7 @@ from raytrace.certificates import certify, verify
 from raytrace.comparison.metrics import flip, largest_difference, pixels_over, psnr, similarity
 from raytrace.errors import EngineFailure, InputError
 from raytrace.export.shaders import glsl
+from raytrace.files import temporary_folder
 from raytrace.mistakes.mutations import MUTATIONS, Mutation
 from raytrace.rendering import render
 from raytrace.scene import Scene, load_scene
@@ -130,12 +129,12 @@ def _correct(scene: Scene, size: tuple[int, int]) -> Iterator[tuple[str, np.ndar
 
 def _mutants(mutation: Mutation, cases: list[_Case], size: tuple[int, int]) -> Iterator[tuple[_Case, Any]]:
     """The mistake's image in each scene that it can be made in; ``None`` where the shader does not run."""
-    with tempfile.TemporaryDirectory() as folder:
+    with temporary_folder() as folder:
         for case in cases:
             text = mutation.applied(glsl(case.scene, size, data="uniforms"))
             if text is None:
                 continue
-            path = Path(folder) / f"{case.name}.frag"
+            path = folder / f"{case.name}.frag"
             path.write_text(text, encoding="utf-8")
             try:
                 yield case, np.asarray(render(case.scene, size, backend="opengl", shader=path), np.float64)

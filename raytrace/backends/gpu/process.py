@@ -10,7 +10,6 @@ import pickle
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import time
 from contextlib import suppress
@@ -21,6 +20,7 @@ import numpy as np
 
 from raytrace.backends.gpu.drawing import ActiveUniform, Drawing, ShaderProgram, ShaderRejected, Unavailable
 from raytrace.errors import EngineFailure, InputError
+from raytrace.files import temporary_folder
 
 if TYPE_CHECKING:
     from psutil import Process
@@ -65,12 +65,13 @@ class EngineProcess:
 
     def draw(self, drawing: Drawing, limit: float = TIME_LIMIT) -> np.ndarray:
         """The drawing's passes: float32 (pass, row from the top down, column, RGBA)."""
-        with tempfile.NamedTemporaryFile(prefix="raytrace-", dir=_MEMORY) as file:
-            size = 4 * int(np.prod(drawing.shape))
-            file.truncate(size)
-            self._ask("draw", (drawing, file.name), limit, IMAGES * size)
+        with temporary_folder(_MEMORY) as folder:
+            path, size = folder / "image", 4 * int(np.prod(drawing.shape))
+            path.touch()
+            os.truncate(path, size)
+            self._ask("draw", (drawing, str(path)), limit, IMAGES * size)
             # The mapping outlives the file.
-            return np.memmap(file.name, np.float32, "r", shape=drawing.shape)[:, ::-1]
+            return np.memmap(path, np.float32, "r", shape=drawing.shape)[:, ::-1]
 
     def stop(self) -> None:
         """Ends the process, with all that it has started."""
