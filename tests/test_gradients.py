@@ -116,12 +116,13 @@ def test_white_is_white_at_the_limits_of_brightness(tone_mapper, transfer):
         lighting="on",
     )
 
-    def brightness(scene):
-        image = raytrace.render(scene, SIZE)
+    def brightness(sun, sky, film):
+        image = raytrace.render(replace(scene, sun=sun, sky=sky, film=film), SIZE)
         return image.sum(), image
 
     if transfer == "gamma2.2":
-        (_, image), gradient = jax.jit(jax.value_and_grad(brightness, has_aux=True))(scene)
+        by_light = jax.jit(jax.value_and_grad(brightness, (0, 1, 2), has_aux=True))
+        (_, image), gradient = by_light(scene.sun, scene.sky, scene.film)
         assert_finite(gradient)
     else:
         image = raytrace.render(scene, SIZE)
@@ -211,14 +212,20 @@ def test_loops_that_stay_loops_have_the_same_derivatives(lighting):
         return Renderer(uniforms, job).draw(0, SIZE[1])["linear"].mean()
 
     uniforms = jax.tree.map(np.float32, uniforms_of(scene, SIZE[0] / SIZE[1]))
-    written_out, looped = (jax.jit(jax.grad(partial(brightness, engine=Staged(few=few))))(uniforms) for few in (16, 1))
+
+    def of_spheres(spheres, engine):
+        return brightness(uniforms._replace(spheres=spheres), engine)
+
+    written_out, looped = (
+        jax.jit(jax.grad(partial(of_spheres, engine=Staged(few=few))))(uniforms.spheres) for few in (16, 1)
+    )
     jax.tree.map(lambda a, b: np.testing.assert_allclose(a, b, rtol=1e-3, atol=1e-6), written_out, looped)
 
 
 def test_gradients_pass_the_rounding_to_float32():
     """In float64 the uniforms are rounded, and yet the derivative by the sun's colour is that without rounding."""
     with jax.enable_x64(True):
-        scene = raytrace.load_scene("lit-sphere")
+        scene = raytrace.load_scene("skybox")
         rounded, exact = (
             jax.grad(
                 lambda color, exact=exact: raytrace.render(
@@ -236,4 +243,8 @@ def test_gradients_pass_the_rounding_to_float32():
 @pytest.mark.parametrize("name", some(["skybox", "sphere"], "skybox"))
 def test_samples_are_differentiable(name):
     scene = raytrace.load_scene(name)
-    assert_finite(jax.jit(jax.grad(lambda scene: raytrace.render(scene, SIZE, samples=2).sum()))(scene))
+
+    def brightness(sun, camera):
+        return raytrace.render(replace(scene, sun=sun, camera=camera), SIZE, samples=2).sum()
+
+    assert_finite(jax.jit(jax.grad(brightness, (0, 1)))(scene.sun, scene.camera))

@@ -33,7 +33,7 @@ def drawn(tmp_path, scene, devices, flags=""):
     return np.load(out)
 
 
-@pytest.mark.parametrize("scene", some(["lit-sphere", "checkerboard", "two-hundred-spheres"], "lit-sphere"))
+@pytest.mark.parametrize("scene", some(["sphere", "checkerboard", "two-hundred-spheres"], "sphere"))
 def test_eight_devices(tmp_path, scene):
     one, eight = (drawn(tmp_path, scene, n, f"--xla_force_host_platform_device_count={n}") for n in (1, 8))
     np.testing.assert_array_equal(one, eight)
@@ -116,7 +116,7 @@ def test_two_processes_render_one_image(tmp_path):
 def test_who_does_not_come_is_one_line(tmp_path, coordinator, process_id, told):
     with socket.create_server(("", 0)) as taken:
         coordinator = coordinator.format(free=free_port(), taken=taken.getsockname()[1])
-        args = ["--coordinator", coordinator, "--hosts", "2", "--process-id", process_id, "--wait", "3"]
+        args = ["--coordinator", coordinator, "--hosts", "2", "--process-id", process_id, "--wait", "1"]
         begun = time.monotonic()
         ended = command("render", "skybox", *args, cwd=tmp_path)
     assert time.monotonic() - begun < 60
@@ -239,7 +239,7 @@ def test_what_is_made_of_traced_images_does_not_wait_for_ever():
         "jax.config.update('jax_num_cpu_devices', 2)\n"
         "import jax.numpy as jnp, numpy as np, raytrace\n"
         "from dataclasses import replace\n"
-        "scene = raytrace.load_scene('lit-sphere')\n"
+        "scene = raytrace.load_scene('skybox')\n"
         "def loss(azimuth):\n"
         "    sun = replace(scene.sun, direction=raytrace.sun_direction(azimuth, 36.9))\n"
         "    return jnp.mean(raytrace.render(replace(scene, sun=sun), (192, 108)) ** 2)\n"

@@ -152,7 +152,7 @@ def test_a_concrete_scene_renders_inside_a_trace(dtype):
 
 
 def test_a_traced_direction_may_have_any_length():
-    scene = raytrace.load_scene("lit-sphere")
+    scene = raytrace.load_scene("skybox")
 
     def image(direction):
         return raytrace.render(replace(scene, sun=replace(scene.sun, direction=direction)), SIZE)
