@@ -29,7 +29,7 @@ _SERVER = (
     _AS_FROM_A_TERMINAL
     + """
 import json, os, sys
-import jax, numpy, raytrace.cli
+import colour, jax, matplotlib.figure, numpy, OpenImageIO, raytrace.cli, scipy.ndimage, skimage.metrics
 from raytrace.cli.groups import COMMANDS, command
 for name in COMMANDS:
     command(name)

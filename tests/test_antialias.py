@@ -102,6 +102,8 @@ def test_both_modes_agree(name):
     for a, b in zip(forward, reverse, strict=True):
         assert np.isfinite(a).all()
         np.testing.assert_allclose(a, b, rtol=2e-3, atol=1e-6)
+    # Along a direction by itself, too.
+    jax.jit(lambda *at: jax.jvp(brightness, at, at)).lower(*at)
     # The sun changes nothing of an unlit sphere.
     assert np.abs(reverse[name == "sphere"]).max() > 1e-3
 

@@ -151,7 +151,7 @@ def hidden(path="."):
 os.listdir = hidden
 import raytrace
 raytrace.write_image("a.png", raytrace.render("checkerboard", (16, 9), backend="numpy"))
-raytrace.render("checkerboard", (16, 9))
+raytrace.render("sphere", (16, 9))
 from raytrace.cli import run
 sys.argv = ["raytrace", "render", "sphere", "--size", "16x9", "-o", "b.png"]
 run()

@@ -205,9 +205,9 @@ def test_an_existing_file_survives_a_scene_that_cannot_be_saved():
     [
         "a = " + "[" * 20_000,
         "a = " + "9" * 20_000,
-        "a" + ".a" * 20_000 + " = 1",
+        "a" + ".a" * 4_000 + " = 1",
         "a = " + "{a=" * 20_000,
-        "[" + "a." * 9_999,
+        "[" + "a." * 4_000,
     ],
     ids=lambda text: text[:8],
 )
