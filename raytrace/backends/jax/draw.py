@@ -1,5 +1,6 @@
 """The program that draws: from uniforms to pictures, on one device or several, by whichever engine."""
 
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
@@ -20,7 +21,7 @@ from raytrace.shader.main import COMPONENTS
 from raytrace.shader.pixel import Frame
 from raytrace.shader.uniforms import Program, Uniforms
 
-__all__ = ["Given", "draw", "draw_part", "prepare_spheres", "tiles_of", "trimmed"]
+__all__ = ["Given", "draw", "draw_columns", "draw_part", "planes", "prepare_spheres", "tiles_of", "trimmed"]
 
 #: Images by name.
 Drawn = dict[str, jax.Array]
@@ -54,17 +55,7 @@ def draw(
     """
     if layout is None:
         given = given._replace(culled=prepare_spheres(engine, given.uniforms, job.program))
-    # Each device has some columns of every row, which share the sky and the ground about equally.
-    columns = -(-job.frame.width // devices.size)
-
-    def part(device: jax.Array, given: Given, mode: Any, first: Any) -> Drawn:
-        where, parts = Where(mode, first, device[0] * columns), None
-        if layout is not None:
-            parts = Parts(layout, given.uniforms)
-            uniforms, culled = parts.structure
-            given = Given(uniforms, given.culled if culled is None else culled)
-        return draw_part(job, engine, rows, columns, given, where, layout is None, parts)
-
+    part = partial(draw_columns, job, engine, rows, devices.size, layout)
     numbers, args = jnp.arange(devices.size, dtype=jnp.int32), (given, mode, first)
     if devices.size > 1:
         everyone = jax.tree.map(lambda _: PartitionSpec(), args)
@@ -75,17 +66,42 @@ def draw(
             out_specs=PartitionSpec(None, AXIS),
             check_vma=False,
         )
-    return trimmed(job, part(numbers, *args))
+    return trimmed(job, planes(part(numbers, *args)))
+
+
+def draw_columns(
+    job: Job,
+    engine: Any,
+    rows: int,
+    devices: int,
+    layout: Layout | None,
+    device: jax.Array,
+    given: Given,
+    mode: Any,
+    first: Any,
+) -> Drawn:
+    """Return what number `device`, of shape (1,), of so many devices draws: arrays (rows, columns, components).
+
+    Each has some columns of every row, which share the sky and the ground about equally.
+    """
+    columns = -(-job.frame.width // devices)
+    where, parts = Where(mode, first, device[0] * columns), None
+    if layout is not None:
+        parts = Parts(layout, given.uniforms)
+        uniforms, culled = parts.structure
+        given = Given(uniforms, given.culled if culled is None else culled)
+    return draw_part(job, engine, rows, columns, given, where, layout is None, parts)
+
+
+def planes(images: Drawn) -> Drawn:
+    """Return the images, those of one component without that axis."""
+    return {name: image if COMPONENTS[name] > 1 else image[..., 0] for name, image in images.items()}
 
 
 def trimmed(job: Job, images: Drawn) -> Drawn:
-    """Return the images without columns beyond the frame, and those of one component without that axis."""
-
-    def trim(name: str, image: jax.Array) -> jax.Array:
-        image = image if image.shape[1] == job.frame.width else image[:, : job.frame.width]
-        return image if COMPONENTS[name] > 1 else image[..., 0]
-
-    return {name: trim(name, image) for name, image in images.items()}
+    """Return the images without columns beyond the frame."""
+    width = job.frame.width
+    return {name: image if image.shape[1] == width else image[:, :width] for name, image in images.items()}
 
 
 def draw_part(

@@ -16,13 +16,14 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from raytrace.backends.jax.choice import engine_of, or_fused, platform_of
 from raytrace.backends.jax.devices import check_devices, fetched, hint_at_cores, mesh, one_device, x64_mode
-from raytrace.backends.jax.draw import Given, draw, prepare_spheres, trimmed
+from raytrace.backends.jax.draw import Given, draw, draw_columns, planes, prepare_spheres, trimmed
 from raytrace.backends.jax.forward import by_forward_mode
 from raytrace.backends.jax.kernel import MANY, Kernels
 from raytrace.backends.jax.packing import Layout, Parts, pack
 from raytrace.backends.jax.picture import traced_picture
+from raytrace.backends.jax.replicas import Replicas, compiled_for_a_core, possible
 from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, without_grids
-from raytrace.backends.jax.stored import choices_as_text, stored
+from raytrace.backends.jax.stored import Form, choices_as_text, stored
 from raytrace.backends.job import Job
 from raytrace.edges.moving import moving_edges
 from raytrace.errors import InputError
@@ -31,8 +32,8 @@ from raytrace.shader.uniforms import Program, Uniforms
 
 __all__ = ["Renderer"]
 
-#: XLA would use half of the width that a vector register of a newer CPU has; and every device has a core of its own, so
-#: that a kernel which is shared among threads only waits for them.
+#: XLA would use half of the width that a vector register of a newer CPU has; and its own threads only wait for those of
+#: other devices (see `raytrace.backends.jax.replicas`).
 OPTIONS = {"xla_cpu_prefer_vector_width": 512, "xla_cpu_multi_thread_eigen": False}
 
 #: What is said to whom asks how an edge that moves bends the picture.
@@ -59,7 +60,7 @@ def _traced(job: Job, rows: int, devices: Mesh) -> Callable:
         return draw(job, engine, rows, devices, None, Given(uniforms, None), mode, first)
 
     def as_picture(uniforms: Uniforms, mode: Any, first: Any) -> dict[str, jax.Array]:
-        return trimmed(job, traced_picture(job, rows, uniforms, mode, first))
+        return trimmed(job, planes(traced_picture(job, rows, uniforms, mode, first)))
 
     @jax.jit
     def drawn(uniforms: Uniforms, mode: Any, first: Any) -> dict[str, jax.Array]:
@@ -91,7 +92,8 @@ def _culled(program: Program, engine: Any, layout: Layout) -> Callable:
 @lru_cache(maxsize=MOST)
 def _compiled(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, culled: Any) -> Callable:
     """The program for uniforms of that layout, whatever their values. `culled`: the shapes, hashable, or ``None``."""
-    everywhere = NamedSharding(devices, PartitionSpec())
+    everywhere, places = NamedSharding(devices, PartitionSpec()), list(devices.devices.flat)
+    name = _name(job, engine, rows, devices, layout, culled)
 
     def given(shape: tuple[int, ...], dtype: Any) -> jax.ShapeDtypeStruct:
         return jax.ShapeDtypeStruct(shape, dtype, sharding=everywhere)
@@ -99,20 +101,32 @@ def _compiled(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, c
     if culled is not None:
         tree, shapes = culled
         culled = tree.unflatten(given(shape, dtype) for shape, dtype in shapes)
-    numbers = given((layout.size,), job.dtype)
-    scalars = given((), np.int32), given((), np.int32)
+    args = given((layout.size,), job.dtype), culled, given((), np.int32), given((), np.int32)
+
+    def by_each(numbers: jax.Array, culled: Any, mode: Any, first: Any, device: Any) -> dict[str, jax.Array]:
+        drawn = draw_columns(job, engine, rows, devices.size, layout, device, Given(numbers, culled), mode, first)
+        return planes(drawn)
+
+    def loaded(content: bytes, _: Any) -> Replicas:
+        return Replicas(content, devices, job.keep)
+
+    def replicas() -> Replicas:
+        return loaded(compiled_for_a_core(by_each, OPTIONS, *args, given((1,), np.int32)), places)
+
+    if isinstance(engine, Staged) and possible(devices):
+        return stored(name, places, replicas, Form(lambda program: program.content, loaded))
 
     def by(engine: Any) -> Any:
         def drawn(numbers: jax.Array, culled: Any, mode: Any, first: Any) -> dict[str, jax.Array]:
             return draw(job, engine, rows, devices, layout, Given(numbers, culled), mode, first)
 
-        return jax.jit(drawn, compiler_options=OPTIONS).lower(numbers, culled, *scalars).compile()
+        return jax.jit(drawn, compiler_options=OPTIONS).lower(*args).compile()
 
     def compiled() -> Any:
         uniforms, _ = layout.tree.unflatten(given(shape, job.dtype) for shape in layout.shapes)
         return or_fused(job, engine, count(uniforms.spheres), by)
 
-    return stored(_name(job, engine, rows, devices, layout, culled), list(devices.devices.flat), compiled)
+    return stored(name, places, compiled)
 
 
 def _name(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, culled: Any) -> str | None:
@@ -207,7 +221,7 @@ class Renderer:
             jax.block_until_ready((prepared.numbers, prepared.culled))
 
     def executable(self, count: int) -> Any:
-        """Return the compiled program for `count` rows at a time (`jax.stages.Compiled`), which `draw` runs."""
+        """Return the program for `count` rows at a time, which `draw` runs: `Replicas`, or `jax.stages.Compiled`."""
         with self._outside():
             return self._program(count, self.prepared())
 
@@ -232,7 +246,7 @@ class Renderer:
                 given = prepared.numbers, prepared.culled, *jax.device_put((mode, row), self._everywhere())
                 ready = self.ready = first, count, self._program(count, prepared), given
             _, _, program, given = ready
-            images = program(*given)
+            images = trimmed(self.job, program(*given))
             # Spread over several processes it would be of no use to any of them.
             whole = self.borrows_x64 or jax.process_count() > 1
             return jax.tree.map(fetched, images) if whole else images

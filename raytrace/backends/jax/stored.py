@@ -19,7 +19,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from functools import cache, partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jaxlib.version
@@ -29,7 +29,7 @@ from raytrace.errors import InputError
 from raytrace.files import whole_file
 from raytrace.shader.uniforms import Program
 
-__all__ = ["choices_as_text", "not_stored", "stored"]
+__all__ = ["Form", "choices_as_text", "not_stored", "stored"]
 
 LOG = logging.getLogger("raytrace")
 
@@ -65,7 +65,22 @@ def folder() -> Path | None:
     return Path(platformdirs.user_cache_dir("raytrace"))
 
 
-def stored(name: str | None, devices: Sequence[Any], compiled: Callable[[], Any]) -> Any:
+class Form(NamedTuple):
+    """How a program is kept: what `pickle` can keep of it, and how that becomes a program again, on some devices."""
+
+    kept: Callable[[Any], Any]
+    loaded: Callable[[Any, Sequence[Any]], Any]
+
+
+def _loaded(kept: tuple, devices: Sequence[Any]) -> jax.stages.Compiled:
+    return serialize_executable.deserialize_and_load(*kept, execution_devices=devices)
+
+
+#: That of `jax.stages.Compiled`.
+COMPILED = Form(serialize_executable.serialize, _loaded)
+
+
+def stored(name: str | None, devices: Sequence[Any], compiled: Callable[[], Any], form: Form = COMPILED) -> Any:
     """The program called `name`, from the folder if it is there, else as `compiled` makes it, which is then kept.
 
     A name holds everything that the program depends on, but for the machine and the versions. ``None`` for a program
@@ -82,12 +97,12 @@ def stored(name: str | None, devices: Sequence[Any], compiled: Callable[[], Any]
         return made()
     with suppress(Exception):  # no such file, or one that does not load
         content = _whole(path)
-        program = serialize_executable.deserialize_and_load(*pickle.loads(content), execution_devices=devices)
+        program = form.loaded(pickle.loads(content), devices)
         os.utime(path)
         return program
     program = made()
     with suppress(Exception):  # a full disk, or a program that cannot be stored
-        content = pickle.dumps(serialize_executable.serialize(program))
+        content = pickle.dumps(form.kept(program))
         with suppress(InputError), whole_file(path, durable=False) as temporary:
             temporary.write_bytes(hashlib.sha256(content).digest() + content)
         _prune(place)
