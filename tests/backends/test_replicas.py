@@ -55,6 +55,22 @@ def test_every_array_is_given_whether_it_is_used_or_not():
     assert program.cost_analysis()["flops"] > 0
 
 
+def test_where_no_thread_may_be_confined_one_program_is_for_all(monkeypatch):
+    def refused(*_):
+        raise PermissionError
+
+    expected = np.asarray(raytrace.render("skybox", SIZE))
+    replicas._compiler.cache_clear()
+    _compiled.cache_clear()
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "sched_setaffinity", refused)
+        assert not replicas.possible(one_device())
+        np.testing.assert_array_equal(raytrace.prepare("skybox", SIZE, skip=False)(), expected)
+    replicas._compiler.cache_clear()
+    _compiled.cache_clear()
+    assert replicas.possible(one_device())
+
+
 def test_nobody_else_is_confined_to_a_core():
     before = os.sched_getaffinity(0)
     replicas._compiler.cache_clear()

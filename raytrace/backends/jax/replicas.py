@@ -6,6 +6,7 @@ its kernels do. A client of one thread cuts nothing. Such a client compiles here
 made, once for all its devices.
 """
 
+import logging
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -23,17 +24,18 @@ from raytrace.backends.jax.devices import AXIS
 
 __all__ = ["Replicas", "compiled_for_a_core", "possible"]
 
+LOG = logging.getLogger("raytrace")
+
 
 def possible(devices: Mesh) -> bool:
-    """Return whether these devices can run such a program: they are CPUs of one process."""
+    """Return whether these devices can run such a program: they are CPUs of one process, and there is a compiler."""
     platforms = {device.platform for device in devices.devices.flat}
-    confines = hasattr(os, "sched_setaffinity") and hasattr(os, "sched_getaffinity")
-    return platforms == {"cpu"} and jax.process_count() == 1 and confines
+    return platforms == {"cpu"} and jax.process_count() == 1 and _compiler() is not None
 
 
 @cache
 def _compiler() -> Any:
-    """The client of one thread: it has as many as its maker may use cores.
+    """The client of one thread: it has as many as its maker may use cores. ``None`` where there can be none.
 
     Nothing but the new thread that makes it is confined to a core, and what the client starts, which only compiles.
     """
@@ -43,7 +45,12 @@ def _compiler() -> Any:
         return xla_client.make_cpu_client(num_devices=1)
 
     with ThreadPoolExecutor(1) as thread:
-        return thread.submit(made).result()
+        try:
+            return thread.submit(made).result()
+        except (AttributeError, OSError, RuntimeError, TypeError) as error:
+            # Not every system confines threads, or allows it; and JAX does not promise that client.
+            LOG.debug("no compiler for single cores: %s", error)
+            return None
 
 
 def compiled_for_a_core(function: Callable, options: dict[str, Any], *given: Any) -> bytes:
