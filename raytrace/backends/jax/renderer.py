@@ -93,7 +93,6 @@ def _culled(program: Program, engine: Any, layout: Layout) -> Callable:
 def _compiled(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, culled: Any) -> Callable:
     """The program for uniforms of that layout, whatever their values. `culled`: the shapes, hashable, or ``None``."""
     everywhere, places = NamedSharding(devices, PartitionSpec()), list(devices.devices.flat)
-    name = _name(job, engine, rows, devices, layout, culled)
 
     def given(shape: tuple[int, ...], dtype: Any) -> jax.ShapeDtypeStruct:
         return jax.ShapeDtypeStruct(shape, dtype, sharding=everywhere)
@@ -101,6 +100,7 @@ def _compiled(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, c
     if culled is not None:
         tree, shapes = culled
         culled = tree.unflatten(given(shape, dtype) for shape, dtype in shapes)
+    name = _name(job, engine, rows, devices, layout, culled)
     args = given((layout.size,), job.dtype), culled, given((), np.int32), given((), np.int32)
 
     def by_each(numbers: jax.Array, culled: Any, mode: Any, first: Any, device: Any) -> dict[str, jax.Array]:
