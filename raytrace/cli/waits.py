@@ -88,11 +88,12 @@ def progress(total: int, what: str = "rendering") -> Iterator:
     columns = TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeElapsedColumn()
     # What is printed meanwhile must not end up beside the bar, on standard error, where it was not meant to be.
     to_terminal = sys.stdout is not None and sys.stdout.isatty()
-    with Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=to_terminal) as bar:
-        task = bar.add_task(what, total=None)
+    bar = Progress(*columns, console=Console(stderr=True), transient=True, redirect_stdout=to_terminal)
+    task = bar.add_task(what, total=None)
 
-        def advance(done: float) -> None:
-            bar.update(task, advance=done, total=total)
+    def advance(done: float) -> None:
+        bar.update(task, advance=done, total=total)
 
-        with _waits.told_to(bar, lambda text: bar.update(task, description=text or what)):
-            yield advance
+    # Known before it is shown: a signal may come in between.
+    with _waits.told_to(bar, lambda text: bar.update(task, description=text or what)), bar:
+        yield advance
