@@ -131,14 +131,14 @@ def whole_folder(folder: Path) -> Iterator[Path]:
             yield temporary
             with _changing:
                 old = temporary.with_name(f"{temporary.name}-old")
-                if folder.exists():
-                    folder.rename(old)
                 try:
+                    if folder.exists():
+                        folder.rename(old)
                     temporary.rename(folder)
-                except OSError:
-                    old.rename(folder)
-                    raise
-                shutil.rmtree(old, ignore_errors=True)
+                finally:
+                    if old.exists() and not folder.exists():
+                        old.rename(folder)
+                    _remove(old)
     except OSError as error:
         raise InputError(f"{shown}: cannot be written: {reason(error)}") from None
 

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import raytrace
-from raytrace.backends.jax import replicas
+from raytrace.backends.jax import Staged, replicas
 from raytrace.backends.jax.devices import one_device
-from raytrace.backends.jax.renderer import OPTIONS, _compiled
+from raytrace.backends.jax.renderer import FEW, OPTIONS, _compiled, _kept
+from raytrace.rendering import Options, Rendering
 from tests.scenes import some
 
 pytestmark = pytest.mark.skipif(not replicas.possible(one_device()), reason="needs Linux, and CPUs alone")
@@ -20,19 +21,32 @@ SIZE = (40, 24)
 @pytest.mark.parametrize(
     ("name", "output"),
     some(
-        [(name, output) for name in raytrace.scenes() for output in ("linear", "steps")],
+        [("lit-sphere", "steps"), *((name, "linear") for name in raytrace.scenes())],
         ("lit-sphere", "steps"),
         ("skybox", "linear"),
     ),
 )
 def test_the_bits_are_those_of_one_program(name, output, monkeypatch):
-    scene = raytrace.load_scene(name)
+    assert_same_bits(raytrace.load_scene(name), output, monkeypatch)
+
+
+def test_what_is_prepared_of_many_spheres_is_given_too(monkeypatch):
+    monkeypatch.setitem(FEW, Staged, 0)
+    _kept.cache_clear()
+    assert_same_bits(raytrace.load_scene("lit-sphere"), "linear", monkeypatch)
+    _kept.cache_clear()
+
+
+def assert_same_bits(scene, output, monkeypatch):
     monkeypatch.setenv("RAYTRACE_CACHE", "off")
     images = []
-    for possible in (replicas.possible, lambda devices: False):
+    for possible, kind in ((replicas.possible, replicas.Replicas), (lambda devices: False, jax.stages.Compiled)):
         monkeypatch.setattr("raytrace.backends.jax.renderer.possible", possible)
         _compiled.cache_clear()
-        images.append(raytrace.prepare(scene, SIZE, output=output)())
+        # Made anew: a renderer that is kept would draw by the program that it has.
+        rendering = Rendering(Options(scene, SIZE, output=output))
+        assert isinstance(rendering.renderer.executable(SIZE[1]), kind)
+        images.append(rendering.whole())
     _compiled.cache_clear()
     one, other = images
     jax.tree.map(np.testing.assert_array_equal, one, other)
@@ -47,7 +61,8 @@ def test_every_array_is_given_whether_it_is_used_or_not():
 
     given = [jax.ShapeDtypeStruct((3,), np.float32), [jax.ShapeDtypeStruct((5,), np.int32)]]
     number = jax.ShapeDtypeStruct((1,), np.int32)
-    program = replicas.Replicas(replicas.compiled_for_a_core(drawn, OPTIONS, *given, number), devices, ("b", "a"))
+    content = replicas.compiled_for_a_core(drawn, OPTIONS, *given, number)
+    program = replicas.Replicas(content, ("b", "a"), list(devices.devices.flat))
     x, rest = jax.device_put((np.arange(3, dtype=np.float32), np.zeros(5, np.int32)), devices.devices.flat[0])
     found = program(x, [rest])
     np.testing.assert_array_equal(found["a"][:, 0], [0, 2, 4])

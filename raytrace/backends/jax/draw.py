@@ -66,7 +66,7 @@ def draw(
             out_specs=PartitionSpec(None, AXIS),
             check_vma=False,
         )
-    return trimmed(job, planes(part(numbers, *args)))
+    return trimmed(job, part(numbers, *args))
 
 
 def draw_columns(
@@ -80,7 +80,7 @@ def draw_columns(
     mode: Any,
     first: Any,
 ) -> Drawn:
-    """Return what number `device`, of shape (1,), of so many devices draws: arrays (rows, columns, components).
+    """Return what number `device`, of shape (1,), of so many devices draws: arrays (rows, columns[, components]).
 
     Each has some columns of every row, which share the sky and the ground about equally.
     """
@@ -90,7 +90,7 @@ def draw_columns(
         parts = Parts(layout, given.uniforms)
         uniforms, culled = parts.structure
         given = Given(uniforms, given.culled if culled is None else culled)
-    return draw_part(job, engine, rows, columns, given, where, layout is None, parts)
+    return planes(draw_part(job, engine, rows, columns, given, where, layout is None, parts))
 
 
 def planes(images: Drawn) -> Drawn:

@@ -153,7 +153,7 @@ def _batched(given: tuple, axes: tuple, **params: Any) -> tuple:
 
 _along.def_impl(lambda *given, **params: jax.jit(partial(_derivatives, **params))(*given))
 _along.def_abstract_eval(_shapes)
-# Newer JAX asks a primitive that has a text, in which there may be what it lowers in two steps, how the first is done.
+# Newer JAX lowers some primitives in two steps. It asks for the first step of every primitive whose text may hold one.
 _along.to_lojax = _derivatives
 mlir.register_lowering(_along, mlir.lower_fun(_derivatives, multiple_results=True))
 ad.primitive_transposes[_along] = _transposed

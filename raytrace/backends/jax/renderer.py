@@ -21,9 +21,9 @@ from raytrace.backends.jax.forward import by_forward_mode
 from raytrace.backends.jax.kernel import MANY, Kernels
 from raytrace.backends.jax.packing import Layout, Parts, pack
 from raytrace.backends.jax.picture import traced_picture
-from raytrace.backends.jax.replicas import Replicas, compiled_for_a_core, possible
+from raytrace.backends.jax.replicas import REPLICAS, Replicas, compiled_for_a_core, possible
 from raytrace.backends.jax.staged import MANY_FOR_SHADOW, Culling, Staged, without_grids
-from raytrace.backends.jax.stored import Form, choices_as_text, stored
+from raytrace.backends.jax.stored import choices_as_text, stored
 from raytrace.backends.job import Job
 from raytrace.edges.moving import moving_edges
 from raytrace.errors import InputError
@@ -104,17 +104,13 @@ def _compiled(job: Job, engine: Any, rows: int, devices: Mesh, layout: Layout, c
     args = given((layout.size,), job.dtype), culled, given((), np.int32), given((), np.int32)
 
     def by_each(numbers: jax.Array, culled: Any, mode: Any, first: Any, device: Any) -> dict[str, jax.Array]:
-        drawn = draw_columns(job, engine, rows, devices.size, layout, device, Given(numbers, culled), mode, first)
-        return planes(drawn)
-
-    def loaded(content: bytes, _: Any) -> Replicas:
-        return Replicas(content, devices, job.keep)
+        return draw_columns(job, engine, rows, devices.size, layout, device, Given(numbers, culled), mode, first)
 
     def replicas() -> Replicas:
-        return loaded(compiled_for_a_core(by_each, OPTIONS, *args, given((1,), np.int32)), places)
+        return Replicas(compiled_for_a_core(by_each, OPTIONS, *args, given((1,), np.int32)), job.keep, places)
 
     if isinstance(engine, Staged) and possible(devices):
-        return stored(name, places, replicas, Form(lambda program: program.content, loaded))
+        return stored(name, places, replicas, REPLICAS)
 
     def by(engine: Any) -> Any:
         def drawn(numbers: jax.Array, culled: Any, mode: Any, first: Any) -> dict[str, jax.Array]:

@@ -8,7 +8,7 @@ made, once for all its devices.
 
 import logging
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from typing import Any
@@ -21,8 +21,9 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec, SingleDeviceShardin
 from jaxlib import xla_client
 
 from raytrace.backends.jax.devices import AXIS
+from raytrace.backends.jax.stored import Form
 
-__all__ = ["Replicas", "compiled_for_a_core", "possible"]
+__all__ = ["REPLICAS", "Replicas", "compiled_for_a_core", "possible"]
 
 LOG = logging.getLogger("raytrace")
 
@@ -73,21 +74,20 @@ class Replicas:
     """A program of `compiled_for_a_core` on several devices, called with arrays that all of them have.
 
     Its function's last argument is the device's number, of shape (1,); it gives a part of each image, a dict (rows,
-    columns[, components]) in the order of its keys, `names`. Calling this gives the images, whose columns the devices
-    share.
+    columns[, components]) by its name. Calling this gives the images, whose columns the devices share.
     """
 
-    def __init__(self, content: bytes, devices: Mesh, names: tuple[str, ...]):
-        places = tuple(devices.devices.flat)
-        options = get_compile_options(len(places), 1, np.array([[device.id] for device in places]))
-        client = places[0].client
-        self._program = client.deserialize_executable(content, xla_client.DeviceList(places), options)
-        self._names = sorted(names)
-        self._columns = NamedSharding(devices, PartitionSpec(None, AXIS))
-        everyone = np.arange(len(places), dtype=np.int32)
-        self._numbers = jax.device_put(everyone, NamedSharding(devices, PartitionSpec(AXIS)))
-        #: Which a file can keep.
-        self.content = content
+    def __init__(self, content: bytes, names: Sequence[str], devices: Sequence[Any]):
+        options = get_compile_options(len(devices), 1, np.array([[device.id] for device in devices]))
+        places, mesh = xla_client.DeviceList(tuple(devices)), Mesh(np.array(devices), (AXIS,))
+        self._program = devices[0].client.deserialize_executable(content, places, options)
+        self._names = sorted(names)  # as JAX takes a dict apart
+        # As JAX has it: the image of a single device is not divided.
+        self._columns = NamedSharding(mesh, PartitionSpec(None, AXIS) if len(devices) > 1 else PartitionSpec())
+        everyone = np.arange(len(devices), dtype=np.int32)
+        self._numbers = jax.device_put(everyone, NamedSharding(mesh, PartitionSpec(AXIS)))
+        #: What a file keeps: with its devices, this makes the program again.
+        self.kept = content, tuple(names)
 
     def __call__(self, *given: Any) -> dict[str, jax.Array]:
         drawn = self._program.execute_sharded([*jax.tree.leaves(given), self._numbers])
@@ -102,3 +102,7 @@ class Replicas:
     def cost_analysis(self) -> dict[str, Any]:
         """Return what the compiler counts of one device's program, as `jax.stages.Compiled` does."""
         return self._program.cost_analysis()
+
+
+#: How `stored` keeps them.
+REPLICAS = Form(lambda program: program.kept, lambda kept, devices: Replicas(kept[0], kept[1], devices))
