@@ -7,6 +7,8 @@ each name is used before and after all modules are imported.
 import subprocess
 import sys
 
+import pytest
+
 import raytrace
 
 CODE = """
@@ -91,6 +93,7 @@ def test_names_before_and_after_all_modules_are_imported():
     used("names first")
 
 
+@pytest.mark.full
 def test_names_once_all_modules_are_imported():
     used("modules first")
 

@@ -18,7 +18,7 @@ from raytrace.notebook.orbit import orbited, pivot_of, zoomed
 from raytrace.rendering import render
 from raytrace.scene.check import check_scene
 from raytrace.scene.data import Scene
-from raytrace.scene.sun import lit_from, sun_angles, sun_direction
+from raytrace.scene.sun import sun_angles, sun_direction
 from raytrace.shader.film import TONE_MAPPERS
 
 __all__ = ["View"]
@@ -117,7 +117,7 @@ class View:
         scene, film, value = self._scene, self._scene.film, self.controls[name].value
         if name in ("azimuth", "elevation"):
             direction = sun_direction(self.controls["azimuth"].value, self.controls["elevation"].value)
-            scene = lit_from(scene, direction)
+            scene = scene.with_("sun.direction", direction)
         elif name == "exposure":
             scene = replace(scene, film=replace(film, exposure=value))
         elif name == "tone mapper":

@@ -5,11 +5,21 @@ from typing import Any
 
 from raytrace.errors import InputError
 from raytrace.files import parsed_toml
+from raytrace.scene.data import Sun
+from raytrace.scene.path import parts_of
+from raytrace.scene.sun import sun_angles
 
 __all__ = ["change"]
 
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_.-]*")
-_PART = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)((?:\[\d+\])*)")
+
+_ANGLES = ("azimuth", "elevation")
+#: Which keys say the same as the one that is set.
+_SAME: dict[tuple[str | int, ...], tuple[str, ...]] = {
+    ("sun", "direction"): _ANGLES,
+    ("camera", "fov"): ("field_of_view",),
+    ("camera", "field_of_view"): ("fov",),
+}
 
 
 def change(document: dict, setting: str) -> None:
@@ -21,7 +31,7 @@ def change(document: dict, setting: str) -> None:
     """
     path, equals, text = setting.partition("=")
     path = path.strip()
-    parts = _parts(path)
+    parts = parts_of(path)
     if not equals or not parts:
         raise InputError(f"--set {setting}: must be key=value, such as sun.direction=[0,1,0]")
     *parents, last = parts
@@ -32,7 +42,23 @@ def change(document: dict, setting: str) -> None:
         _entered(place, last)
     except LookupError:
         raise InputError(f"--set {setting}: the scene has no {path} to set") from None
-    place[last] = _value(text.strip(), setting)
+    value = _value(text.strip(), setting)
+    if isinstance(place, dict):
+        _make_room(place, parents, str(last))
+    place[last] = value
+
+
+def _make_room(table: dict, where: list[str | int], key: str) -> None:
+    """Take out of a table what says in other words what `key` is to say."""
+    for name in _SAME.get((*where, key), ()):
+        table.pop(name, None)
+    if where == ["sun"] and key in _ANGLES and not any(angle in table for angle in _ANGLES if angle != key):
+        # One angle is set; the other stays what the direction says.
+        try:
+            angles = map(float, sun_angles(table.pop("direction", Sun().direction)))
+        except (TypeError, ValueError):
+            return  # no direction, which is said where the whole scene is read
+        table.update(zip(_ANGLES, angles, strict=True))
 
 
 def _entered(place: object, part: str | int) -> object:
@@ -46,17 +72,6 @@ def _entered(place: object, part: str | int) -> object:
     if isinstance(place, list) and isinstance(part, int):
         return place[part]
     raise LookupError(part)
-
-
-def _parts(path: str) -> list[str | int]:
-    """``["spheres", 0, "radius"]`` for ``spheres[0].radius``; empty if it is not a path."""
-    parts: list[str | int] = []
-    for name in path.split("."):
-        match = _PART.fullmatch(name)
-        if not match:
-            return []
-        parts += [match[1], *map(int, re.findall(r"\d+", match[2]))]
-    return parts
 
 
 def _value(text: str, setting: str) -> object:

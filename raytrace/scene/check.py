@@ -38,8 +38,9 @@ def check_structure(scene: Scene, where: str = "scene") -> None:
 
 
 def _check_sections(scene: Scene, where: str) -> None:
-    for name, kinds in get_type_hints(Scene).items():
-        part, path = getattr(scene, name), f"{where}: {name}"
+    hints = get_type_hints(Scene)
+    for name in (entry.name for entry in fields(Scene)):
+        part, kinds, path = getattr(scene, name), hints[name], f"{where}: {name}"
         if name == "spheres":
             _check_class(part, (Spheres,), path)
             if np.ndim(part.radius) != 1:

@@ -8,11 +8,12 @@ become NumPy float64 arrays; arrays, traced ones included, are kept as they are.
 
 from collections.abc import Callable, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, ClassVar, Self, TypeAlias, TypeVar
 
 import numpy as np
 
-from raytrace.errors import InputError
+from raytrace.errors import InputError, did_you_mean
+from raytrace.language.namespace import namespace
 from raytrace.scene.kinds import (
     ANGLE,
     COLOR,
@@ -25,6 +26,8 @@ from raytrace.scene.kinds import (
     Kind,
     white_point,
 )
+from raytrace.scene.path import parts_of
+from raytrace.scene.sun import sun_angles, sun_direction
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS
 from raytrace.showing import PNG
 
@@ -99,9 +102,12 @@ def _equal(a: Any, b: Any) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Record:
-    """Conversion to arrays, and equality by value."""
+    """Conversion to arrays, equality by value, and copies with other values."""
 
     __hash__ = None  # pyright: ignore[reportAssignmentType]
+
+    #: Other names of fields, in paths and in files.
+    SPELLINGS: ClassVar[dict[str, str]] = {}
 
     def problem(self) -> str | None:
         """Return what is wrong with the fields together, each of which is right; ``None`` if nothing."""
@@ -116,6 +122,58 @@ class _Record:
         if type(self) is not type(other):
             return NotImplemented
         return all(_equal(getattr(self, entry.name), getattr(other, entry.name)) for entry in fields(self))
+
+    def with_(self, *path_and_value: Any, **changes: Any) -> Self:
+        """Return a copy with other values.
+
+        path_and_value: a path as in a scene file, such as ``"sun.azimuth"`` or ``"spheres[0].radius"``, and the value
+            there.
+        changes: fields or paths, and their values. Numbers may be traced by JAX.
+
+        Raises:
+            InputError: there is no such field.
+        """
+        if len(path_and_value) not in (0, 2):
+            raise InputError(f"with_: takes a path and its value, or name=value, found {len(path_and_value)} arguments")
+        changed = self
+        for path, value in [*([path_and_value] if path_and_value else []), *changes.items()]:
+            parts = parts_of(path) if isinstance(path, str) else []
+            if not parts:
+                raise InputError(f"with_: must be given a path such as 'sun.direction', found {path!r}")
+            changed = changed._changed(parts, value, path)
+        return changed
+
+    def _changed(self, parts: list[str | int], value: Any, path: str) -> Self:
+        """A copy with `value` where the `parts` of the `path` lead."""
+        first, *rest = parts
+        name = self.SPELLINGS.get(str(first), str(first))
+        names = [entry.name for entry in fields(self)]
+        if name not in names:
+            raise InputError(f"{path}: {type(self).__name__} has no {name!r}; {did_you_mean(name, names, 'it has')}")
+        return replace(self, **{name: _within(getattr(self, name), rest, value, path)})
+
+
+def _within(place: Any, parts: list[str | int], value: Any, path: str) -> Any:
+    """What stands at `place` once `value` is where the `parts` of the `path` lead."""
+    if not parts:
+        return value
+    if isinstance(place, _Record):
+        return place._changed(parts, value, path)
+    index, *rest = parts
+    if not isinstance(index, int) or not (isinstance(place, tuple) or np.ndim(place)):
+        raise InputError(f"{path}: there is nothing at {index!r}")
+    if index >= len(place):
+        raise InputError(f"{path}: has no [{index}]; there are {len(place)}")
+    changed = _within(place[index], rest, value, path)
+    if isinstance(place, tuple):
+        return (*place[:index], changed, *place[index + 1 :])
+    # As JAX's arrays cannot be written to.
+    there = np.reshape(np.arange(len(place)) == index, (-1, *[1] * (place.ndim - 1)))
+    xp = namespace(changed, place)
+    try:
+        return xp.where(there, xp.asarray(changed), place)
+    except (TypeError, ValueError):
+        raise InputError(f"{path}: must be of shape {place.shape[1:]}, found {value!r}") from None
 
 
 Record = TypeVar("Record", bound=_Record)
@@ -165,6 +223,15 @@ class Spheres(_Record):
     radius: Numbers = _array(LENGTH, "the radii")
     color: Vectors = _array(COLOR, "linear RGB colours")
 
+    def _changed(self, parts: list[str | int], value: Any, path: str) -> Self:
+        first, *rest = parts
+        if not isinstance(first, int):
+            return super()._changed(parts, value, path)
+        # The path of a file, which has a table for each sphere.
+        if not rest:
+            raise InputError(f"{path}: must name a number of that sphere, such as {path}.radius")
+        return super()._changed([*rest[:1], first, *rest[1:]], value, path)
+
 
 @_node
 @dataclass(frozen=True, eq=False)
@@ -196,13 +263,50 @@ class Plane(_Record):
     casts_shadow: bool = _static("an extension: in the assignment only spheres cast shadows", False)
 
 
-@_node
-@dataclass(frozen=True, eq=False)
-class Sun(_Record):
-    """The sun, infinitely far away."""
+#: The assignment's.
+_TOWARDS_THE_SUN, _SUNLIGHT = (1.0, 0.75, 1.0), (1.64, 1.27, 0.99)
 
-    direction: Vector = _numbers(DIRECTION, "towards the sun, of any length", (1.0, 0.75, 1.0))
-    color: Vector = _numbers(COLOR, "linear RGB, HDR", (1.64, 1.27, 0.99))
+
+@_node
+@dataclass(frozen=True, eq=False, init=False)
+class Sun(_Record):
+    """The sun, infinitely far away: by its direction, or by azimuth and elevation in degrees (`sun_direction`)."""
+
+    direction: Vector = _numbers(DIRECTION, "towards the sun, of any length", _TOWARDS_THE_SUN)
+    color: Vector = _numbers(COLOR, "linear RGB, HDR", _SUNLIGHT)
+
+    def __init__(
+        self,
+        direction: Vector = _TOWARDS_THE_SUN,
+        color: Vector = _SUNLIGHT,
+        *,
+        azimuth: Number | None = None,
+        elevation: Number | None = None,
+    ):
+        if azimuth is not None or elevation is not None:
+            if direction is not _TOWARDS_THE_SUN or azimuth is None or elevation is None:
+                raise InputError("sun: takes either a direction or an azimuth and an elevation")
+            direction = sun_direction(azimuth, elevation)
+        object.__setattr__(self, "direction", direction)
+        object.__setattr__(self, "color", color)
+        self.__post_init__()
+
+    @property
+    def azimuth(self) -> Number:
+        """Return the azimuth in degrees: 0 is -z, 90 is +x."""
+        return sun_angles(self.direction)[0]
+
+    @property
+    def elevation(self) -> Number:
+        """Return the elevation in degrees: 90 is +y."""
+        return sun_angles(self.direction)[1]
+
+    def _changed(self, parts: list[str | int], value: Any, path: str) -> Self:
+        if parts == ["azimuth"]:
+            return replace(self, direction=sun_direction(value, self.elevation))
+        if parts == ["elevation"]:
+            return replace(self, direction=sun_direction(self.azimuth, value))
+        return super()._changed(parts, value, path)
 
 
 @_node
@@ -234,6 +338,8 @@ def _misplaced(camera: Any) -> str | None:
 @dataclass(frozen=True, eq=False)
 class PerspectiveCamera(_Record):
     """The camera of ShaderLabWeb."""
+
+    SPELLINGS: ClassVar[dict[str, str]] = {"fov": "field_of_view"}
 
     position: Vector = _numbers(POINT, "where it stands", (0.0, 0.5, 2.0))
     target: Vector = _numbers(POINT, "the point in the middle of the picture", (0.0, 0.5, 0.0))

@@ -7,15 +7,17 @@ from collections.abc import Callable
 from dataclasses import MISSING, Field, fields
 from functools import reduce
 from operator import or_
-from typing import Annotated, Any, Literal, get_type_hints
+from typing import Annotated, Any, ClassVar, Literal, get_type_hints
 
+import numpy as np
 import pydantic
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from raytrace.errors import did_you_mean, unknown
-from raytrace.scene.data import TAGS, Plane, Scene, Spheres
+from raytrace.scene.data import TAGS, Plane, Scene, Spheres, Sun
 from raytrace.scene.kinds import Kind, Rule
+from raytrace.scene.sun import sun_direction
 
 __all__ = ["SceneDocument"]
 
@@ -35,22 +37,60 @@ class Table(BaseModel):
 
     model_config = ConfigDict(strict=True, frozen=True)
 
+    #: Keys that are not a field's name, and the field.
+    SPELLINGS: ClassVar[dict[str, str]] = {}
+
+    @classmethod
+    def _settled(cls, table: dict) -> dict:
+        """The table by its fields' own names."""
+        for key in cls.SPELLINGS.keys() & table.keys():
+            if cls.SPELLINGS[key] in table:
+                raise _wrong_key(key, f"is another name of {cls.SPELLINGS[key]}, which is there, too")
+        return {cls.SPELLINGS.get(key, key): value for key, value in table.items()}
+
     @model_validator(mode="before")
     @classmethod
     def _known_keys(cls, table: Any) -> Any:
         if not isinstance(table, dict | cls):
             raise _mistake("must be a table")
+        if isinstance(table, dict):
+            table = cls._settled(table)
         keys = table if isinstance(table, dict) else {}
         for key, tags in TAGS.items():
             if key in cls.model_fields and key in keys and keys[key] not in list(tags):
                 raise _wrong_key(key, unknown(keys[key], tags))
         for key in keys:
             if key not in cls.model_fields:
-                raise _wrong_key(key, f"unknown key; {did_you_mean(key, cls.model_fields, 'allowed')}")
+                allowed = [*cls.model_fields, *cls.SPELLINGS]
+                raise _wrong_key(key, f"unknown key; {did_you_mean(key, allowed, 'allowed')}")
         return table
 
 
-def _table(record: Any, **own: Any) -> Any:
+class AngledTable(Table):
+    """The sun's table: its direction may be given as two angles."""
+
+    SPELLINGS: ClassVar[dict[str, str]] = {"azimuth": "direction", "elevation": "direction"}
+
+    @classmethod
+    def _settled(cls, table: dict) -> dict:
+        angles = cls.SPELLINGS.keys() & table.keys()
+        if not angles:
+            return table
+        if "direction" in table:
+            raise _wrong_key(min(angles), "goes in place of direction, which is there, too")
+        for name, most in (("azimuth", np.inf), ("elevation", 90.0)):
+            angle = table.get(name)
+            if angle is None:
+                raise _wrong_key(name, "missing; azimuth and elevation go together")
+            if isinstance(angle, bool) or not isinstance(angle, int | float) or not np.isfinite(angle):
+                raise _wrong_key(name, f"must be a finite number of degrees, found {angle!r}")
+            if abs(angle) > most:
+                raise _wrong_key(name, f"must be from -{most:g} to {most:g} degrees, found {angle!r}")
+        direction = sun_direction(float(table["azimuth"]), float(table["elevation"]))
+        return {**{key: table[key] for key in table.keys() - angles}, "direction": direction.tolist()}
+
+
+def _table(record: Any, base: Any = Table, **own: Any) -> Any:
     """The table of one of the scene's classes; own: types and defaults of fields that are not as they are there."""
     hints = get_type_hints(record)
     keys = {entry.name: own.pop(entry.name, None) or _key(entry, hints[entry.name]) for entry in fields(record)}
@@ -63,7 +103,9 @@ def _table(record: Any, **own: Any) -> Any:
 
     checked = {"check": model_validator(mode="after")(check)}
     create: Any = pydantic.create_model
-    return create(f"{record.__name__}Table", __base__=Table, __validators__=checked, **own, **keys)
+    table = create(f"{record.__name__}Table", __base__=base, __validators__=checked, **own, **keys)
+    table.SPELLINGS = base.SPELLINGS | record.SPELLINGS
+    return table
 
 
 def _key(entry: Field, hint: Any) -> tuple[Any, Any]:
@@ -135,5 +177,13 @@ def _one_of(key: str) -> tuple[Any, Any]:
 _sphere = _table(Spheres, **{entry.name: (_numbers(entry.metadata["kind"]), ...) for entry in fields(Spheres)})
 _plane = _table(Plane, pattern=_one_of("type"))
 
+_sun = _table(Sun, AngledTable)
+
 #: The whole file.
-SceneDocument = _table(Scene, spheres=(list[_sphere], []), planes=(list[_plane], []), camera=_one_of("projection"))
+SceneDocument = _table(
+    Scene,
+    spheres=(list[_sphere], []),
+    planes=(list[_plane], []),
+    camera=_one_of("projection"),
+    sun=(_sun, _sun()),
+)

@@ -1,21 +1,19 @@
-"""The sun's direction: as two angles, in degrees, and in a scene."""
+"""The sun's direction as two angles, in degrees."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from raytrace.language.namespace import namespace
-from raytrace.scene.data import Scene
 
-__all__ = ["lit_from", "sun_angles", "sun_direction"]
+__all__ = ["sun_angles", "sun_direction"]
 
 _DEGREE = math.pi / 180
 
 
 def sun_direction(azimuth: Any, elevation: Any) -> Any:
-    """The unit vector (3,) to the sun: azimuth 0 is -z, 90 degrees +x; elevation 90 degrees is +y.
+    """Return the unit vector (3,) to the sun: azimuth 0 is -z, 90 degrees +x; elevation 90 degrees is +y.
 
     NumPy arrays and numbers give a NumPy array, JAX arrays a JAX array.
     """
@@ -26,15 +24,10 @@ def sun_direction(azimuth: Any, elevation: Any) -> Any:
 
 
 def sun_angles(direction: Any) -> tuple[Any, Any]:
-    """(azimuth, elevation) in degrees of a direction (3,) of any length: atan2(x, -z) and asin(y)."""
+    """Return (azimuth, elevation) in degrees of a direction (3,) of any length: atan2(x, -z) and asin(y)."""
     xp = namespace(direction, np.float64(0))
     direction = xp.asarray(direction)
     x, y, z = direction / xp.max(xp.abs(direction))
     length = xp.sqrt(x * x + y * y + z * z)
     # A rounding may take y / length above 1.
     return xp.arctan2(x, -z) / _DEGREE, xp.arcsin(xp.clip(y / length, -1, 1)) / _DEGREE
-
-
-def lit_from(scene: Scene, direction: Any) -> Scene:
-    """Return the scene with its sun in that direction (3,), of any length."""
-    return replace(scene, sun=replace(scene.sun, direction=direction))

@@ -10,7 +10,6 @@ from raytrace.inverse.fit import DoesNotFit, NotDetermined, fit_sun
 from raytrace.inverse.posterior import degrees_between
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
-from raytrace.scene.sun import lit_from
 
 __all__ = ["Trial", "summary", "trials"]
 
@@ -41,7 +40,7 @@ def trials(scene: Scene, number: int, size: tuple[int, int], samples: int, seed:
         direction = random.normal(size=3)
         direction[1] = abs(direction[1])
         direction /= np.linalg.norm(direction)
-        image = np.asarray(render(lit_from(scene, direction), size, samples=samples), np.float64)
+        image = np.asarray(render(scene.with_("sun.direction", direction), size, samples=samples), np.float64)
         noisy = np.clip(image + random.normal(0, NOISE, image.shape), 0, 1)
         begun = time.perf_counter()
         found = np.nan, np.nan, np.nan

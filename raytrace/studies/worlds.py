@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from raytrace.scene.data import MatrixCamera, PerspectiveCamera, Plain, Plane, Scene, Spheres, Sun
-from raytrace.scene.sun import lit_from, sun_angles, sun_direction
+from raytrace.scene.sun import sun_angles, sun_direction
 
 __all__ = ["PARAMETERS", "Parameter", "World", "random_world", "worlds"]
 
@@ -57,7 +57,7 @@ class Parameter(NamedTuple):
 def _turned(azimuth: float, elevation: float) -> Callable[[Scene, Any], Scene]:
     def moved(scene: Scene, h: Any) -> Scene:
         angles = sun_angles(scene.sun.direction)
-        return lit_from(scene, sun_direction(angles[0] + azimuth * h, angles[1] + elevation * h))
+        return scene.with_("sun.direction", sun_direction(angles[0] + azimuth * h, angles[1] + elevation * h))
 
     return moved
 
@@ -187,7 +187,7 @@ def _sun_at(elevation: float) -> Callable[[int], Scene]:
     def made(seed: int) -> Scene:
         scene = random_world(seed)
         azimuth = float(sun_angles(scene.sun.direction)[0])
-        return lit_from(scene, sun_direction(azimuth, elevation))
+        return scene.with_("sun.direction", sun_direction(azimuth, elevation))
 
     return made
 

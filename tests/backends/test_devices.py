@@ -33,7 +33,7 @@ def drawn(tmp_path, scene, devices, flags=""):
     return np.load(out)
 
 
-@pytest.mark.parametrize("scene", some(["sphere", "checkerboard", "two-hundred-spheres"], "sphere"))
+@pytest.mark.parametrize("scene", some(["skybox", "sphere", "checkerboard", "two-hundred-spheres"], "skybox"))
 def test_eight_devices(tmp_path, scene):
     one, eight = (drawn(tmp_path, scene, n, f"--xla_force_host_platform_device_count={n}") for n in (1, 8))
     np.testing.assert_array_equal(one, eight)
@@ -46,11 +46,21 @@ def devices_and_log(tmp_path, calls, devices):
     return subprocess.run(command, check=True, capture_output=True, text=True).stderr
 
 
-def test_every_core_has_a_device_if_that_is_asked_for(tmp_path):
-    assert devices_and_log(tmp_path, "raytrace.use_all_cores()", cores()) == ""
-    begun = devices_and_log(tmp_path, "jax.devices(); raytrace.use_all_cores()", 1)
-    assert begun.startswith("JAX is initialised; its device count can no longer change\n")
-    assert devices_and_log(tmp_path, "jax.config.update('jax_num_cpu_devices', 1); raytrace.use_all_cores()", 1) == ""
+@pytest.mark.parametrize(
+    ("before", "devices", "told"),
+    some(
+        [
+            ("", cores(), ""),
+            ("jax.devices(); ", 1, "JAX is initialised; its device count can no longer change\n"),
+            ("jax.config.update('jax_num_cpu_devices', 1); ", 1, ""),
+        ],
+        ("", cores(), ""),
+        ("jax.devices(); ", 1, "JAX is initialised; its device count can no longer change\n"),
+    ),
+)
+def test_every_core_has_a_device_if_that_is_asked_for(tmp_path, before, devices, told):
+    said = devices_and_log(tmp_path, f"{before}raytrace.use_all_cores()", devices)
+    assert said.startswith(told) if told else not said
 
 
 @pytest.mark.skipif(cores() == 1, reason="there is only one core")
@@ -60,6 +70,7 @@ def test_a_library_user_is_told_once_of_cores_that_do_not_draw(tmp_path):
     assert "call raytrace.use_all_cores()" in told
 
 
+@pytest.mark.full
 def test_the_command_uses_all_cores():
     done = command("bench", "--roofline", "--size", "16x16", "--runs", "1")
     assert re.match(rf"JAX \S+ on {cores()} CPU devices; {cores()} cores\n", done.stdout)
@@ -209,13 +220,8 @@ def test_other_values_are_not_compiled_again(n):
 def test_the_next_process_does_not_compile(tmp_path):
     code = "raytrace.render('skybox', (40, 20)).block_until_ready(); print(json.dumps(compiled()))"
     assert compilations(code, tmp_path) > 0
-    (program,) = tmp_path.glob("*.program")
+    assert len(list(tmp_path.glob("*.program"))) == 1
     assert compilations(code, tmp_path) == 0
-    # A file that does not load is replaced.
-    whole = program.stat().st_size
-    program.write_bytes(program.read_bytes()[:1000])
-    assert compilations(code, tmp_path) > 0
-    assert program.stat().st_size > whole / 2
 
 
 def test_a_cache_that_cannot_be_written_is_no_error(tmp_path):
@@ -232,6 +238,7 @@ def test_memory_does_not_grow_with_the_height(tmp_path):
     assert tall - short < 0.2 * 2**30
 
 
+@pytest.mark.full
 def test_what_is_made_of_traced_images_does_not_wait_for_ever():
     """A mean and its derivative, many times in flight: with the image on several devices XLA's threads ran out."""
     code = (

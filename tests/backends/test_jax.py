@@ -138,6 +138,7 @@ def test_a_traced_scene_passes_through_jit_and_vmap():
     np.testing.assert_allclose(jax.jit(jax.vmap(image))(directions), expected, rtol=0, atol=2e-5)
 
 
+@pytest.mark.full
 def test_a_whole_scene_passes_through_jit():
     scene = raytrace.load_scene("checkerboard")
     jitted = jax.jit(lambda scene: raytrace.render(scene, SIZE))
@@ -167,7 +168,7 @@ def test_a_traced_direction_may_have_any_length():
 
 def test_only_what_is_traced_is_computed_in_its_precision():
     """With the sun traced, the camera's matrices are still computed in double: the same rays, bit for bit."""
-    scene = raytrace.load_scene("checkerboard", ["camera.target=[0.3,0.1,-0.7]"])
+    scene = raytrace.load_scene("skybox", ["camera.target=[0.3,0.1,-0.7]"])
 
     def rays(color):
         sunlit = replace(scene, sun=replace(scene.sun, color=color))

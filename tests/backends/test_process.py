@@ -19,6 +19,9 @@ from raytrace.glsl import vertex_shader
 from tests.engines import need
 from tests.scenes import some
 
+#: By default the engine that starts sooner: what is tested is how any of them is run.
+BY_DEFAULT = pytest.mark.parametrize("engine", some(["opengl", "webgl"], "opengl"))
+
 #: Under `nohup` a child would ignore SIGHUP as the suite does.
 ASKER = """
 import signal
@@ -40,6 +43,7 @@ def bomb(levels):
     )
 
 
+@BY_DEFAULT
 def test_memory_has_a_limit(engine):
     need(engine)
     process = EngineProcess(engine, memory=600 << 20)
@@ -57,6 +61,7 @@ def family(pid):
     return [process, *process.children(recursive=True)]
 
 
+@BY_DEFAULT
 @pytest.mark.parametrize("end", some([signal.SIGKILL, signal.SIGHUP], signal.SIGKILL))
 def test_the_engine_ends_with_who_asked(engine, end):
     need(engine)
@@ -70,6 +75,7 @@ def test_the_engine_ends_with_who_asked(engine, end):
     assert alive == []
 
 
+@BY_DEFAULT
 def test_a_thread_that_asked_may_end(engine):
     """Linux would end a child with the thread that started it, were that asked for."""
     need(engine)

@@ -22,7 +22,6 @@ SIZE = (40, 24)
     ("name", "output"),
     some(
         [("lit-sphere", "steps"), *((name, "linear") for name in raytrace.scenes())],
-        ("lit-sphere", "steps"),
         ("skybox", "linear"),
     ),
 )
@@ -30,6 +29,7 @@ def test_the_bits_are_those_of_one_program(name, output, monkeypatch):
     assert_same_bits(raytrace.load_scene(name), output, monkeypatch)
 
 
+@pytest.mark.full
 def test_what_is_prepared_of_many_spheres_is_given_too(monkeypatch):
     monkeypatch.setitem(FEW, Staged, 0)
     _kept.cache_clear()

@@ -12,6 +12,7 @@ from raytrace.backends.jax import Staged, renderer, stored
 from raytrace.backends.job import Job
 from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.pixel import Frame
+from tests.scenes import some
 
 
 def test_the_folder_keeps_what_was_used_last(tmp_path, monkeypatch):
@@ -55,15 +56,16 @@ def test_a_program_that_is_not_held_is_freed():
     assert mappings() < without + 30
 
 
-def test_a_program_with_a_flipped_bit_is_removed_and_made_anew(tmp_path, monkeypatch):
+def test_a_program_that_is_not_whole_is_removed_and_made_anew(tmp_path, monkeypatch):
     """Such a program could crash the process at every later run."""
     monkeypatch.setenv("RAYTRACE_CACHE", str(tmp_path))
     tmp_path.chmod(0o700)
     expected = raytrace.render("skybox", (10, 4))
     (path,) = tmp_path.glob("*.program")
     whole = path.read_bytes()
-    for place in (0, len(whole) // 2, len(whole) - 1):
-        path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
+    flipped = [whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :] for at in (0, len(whole) // 2, len(whole) - 1)]
+    for content in (*flipped, whole[:1000]):
+        path.write_bytes(content)
         with pytest.raises(ValueError, match="program"):
             stored._whole(path)
         assert not path.exists()
@@ -74,7 +76,7 @@ def test_a_program_with_a_flipped_bit_is_removed_and_made_anew(tmp_path, monkeyp
 
 
 @pytest.mark.skipif(not hasattr(os, "getuid"), reason="needs POSIX's owners and modes")
-@pytest.mark.parametrize("mode", [0o777, 0o770, 0o702])
+@pytest.mark.parametrize("mode", some([0o777, 0o770, 0o702], 0o770))
 def test_a_folder_that_others_may_write_to_is_not_used(tmp_path, monkeypatch, mode):
     """A program is code, and loading it unpickles."""
     folder = tmp_path / "programs"

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 
 import raytrace
+from raytrace.errors import InputError
 from raytrace.scene import scene_hash, scene_toml
-from raytrace.scene.toml import figures
+from raytrace.scene.toml import figures, scene_from_toml
 from tests.strategies import scenes
 
 BUILT_IN = list(raytrace.scenes())
@@ -127,6 +128,10 @@ def test_errors_name_file_path_found_and_allowed():
         ("sun.direction=[1e39,0,0]", "sun.direction[0]: must be at most 3.4e+38 in size"),
         ("sun.color=[1,-1,0]", "sun.color[1]: must not be negative, found -1"),
         ("sky.hi=[1,1,1]", "sky.hi: unknown key; did you mean 'high'?"),
+        ("sun.azimut=3", "sun.azimut: unknown key; did you mean 'azimuth'?"),
+        ("sun.azimuth=x", "sun.azimuth: must be a finite number of degrees, found 'x'"),
+        ("sun.elevation=95", "sun.elevation: must be from -90 to 90 degrees, found 95"),
+        ("camera.fov=500", "camera.field_of_view: must be greater than 0 and less than 180 degrees, found 500"),
         ("planes[0].normal=[0,0,0]", "planes[0].normal: must not be the zero vector"),
         ("planes[0].pattern.tile_size=-1", "planes[0].pattern.tile_size: must be greater than 0"),
         ("planes[0].pattern.type=stripes", "planes[0].pattern.type: unknown 'stripes'; there is: checkerboard, plain"),
@@ -228,3 +233,38 @@ def test_only_regular_files_are_read():
             raytrace.load_scene(name)
     with pytest.raises(raytrace.InputError, match="no such"):
         raytrace.load_scene("a\0b.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "changes", "direction"),
+    [
+        ("sun = {azimuth = 90, elevation = 0}", [], [1, 0, 0]),
+        ("sun = {azimuth = 90, elevation = 0}", ["sun.elevation=90"], [0, 1, 0]),
+        ("sun = {azimuth = 90, elevation = 0}", ["sun.direction=[0,1,0]"], [0, 1, 0]),
+        ("sun = {direction = [0, 0, -2]}", ["sun.azimuth=90"], [1, 0, 0]),
+        ("", ["sun.azimuth=90", "sun.elevation=0"], [1, 0, 0]),
+    ],
+)
+def test_the_sun_by_its_angles(text, changes, direction):
+    scene = scene_from_toml(text, "a.toml", changes)
+    np.testing.assert_allclose(scene.sun.direction, direction, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("sun = {azimuth = 90}", "sun.elevation: missing; azimuth and elevation go together"),
+        ("sun = {azimuth = 1, elevation = 2, direction = [0, 1, 0]}", "sun.azimuth: goes in place of direction"),
+        ("sun = {azimuth = true, elevation = 2}", "sun.azimuth: must be a finite number of degrees, found True"),
+        ("sun = {azimuth = 1, elevation = nan}", "sun.elevation: must be a finite number of degrees, found nan"),
+        ("camera = {fov = 3, field_of_view = 4}", "camera.fov: is another name of field_of_view, which is there, too"),
+    ],
+)
+def test_what_is_said_twice_or_by_half(text, told):
+    with pytest.raises(InputError, match=told.replace("(", r"\(")):
+        scene_from_toml(text, "a.toml")
+
+
+def test_the_field_of_view_has_a_short_name():
+    assert scene_from_toml("camera = {fov = 30}", "a.toml").camera.field_of_view == 30
+    assert scene_from_toml("camera = {field_of_view = 3}", "a.toml", ["camera.fov=31"]).camera.field_of_view == 31

@@ -10,6 +10,7 @@ from raytrace.studies.boundaries import reference
 from raytrace.studies.differences import block_sums, difference
 from raytrace.studies.gradients import derivative
 from raytrace.studies.worlds import PARAMETERS, random_world
+from tests.scenes import some
 from tests.studies.test_differences import SIZE, within_a_silhouette
 
 
@@ -17,13 +18,9 @@ def of(scene, *names, size=SIZE, scanlines=8):
     return reference(scene, {name: (PARAMETERS[name].moved, PARAMETERS[name].step) for name in names}, size, scanlines)
 
 
+@pytest.mark.full
 @pytest.mark.parametrize(
-    ("seed", "parameter", "samples"),
-    [
-        pytest.param(1, "sun azimuth", 12, marks=pytest.mark.full),
-        (2, "sphere's radius", 24),
-        pytest.param(3, "camera's x", 32, marks=pytest.mark.full),
-    ],
+    ("seed", "parameter", "samples"), [(1, "sun azimuth", 12), (2, "sphere's radius", 24), (3, "camera's x", 32)]
 )
 def test_it_is_what_differences_come_to_within_the_errors_of_both(seed, parameter, samples):
     world = random_world(seed)
@@ -37,6 +34,7 @@ def test_it_is_what_differences_come_to_within_the_errors_of_both(seed, paramete
     assert found.lost < 0.02
 
 
+@pytest.mark.full
 def test_where_nothing_has_an_edge_it_is_the_usual_derivative():
     world = within_a_silhouette()
     found = of(world, "sun azimuth", "sphere's x")
@@ -80,15 +78,19 @@ def test_a_disc_that_moves_gains_what_it_loses():
     np.testing.assert_allclose(found.image, -found.image[:, ::-1], rtol=0, atol=0.05 * np.abs(found.image).max())
 
 
-def test_two_changes_together_are_the_sum_of_both():
-    world, size = random_world(1), (36, 24)
+@pytest.mark.parametrize(
+    ("world", "other", "factor"),
+    some([("disc", "first radius", 0.5), ("random", "sun azimuth", 20)], ("disc", "first radius", 0.5)),
+)
+def test_two_changes_together_are_the_sum_of_both(world, other, factor):
+    scene, size = (random_world(1), (36, 24)) if world == "random" else disc(5.0)[:2]
 
     def both(scene, h):
-        return PARAMETERS["sphere's x"].moved(PARAMETERS["sun azimuth"].moved(scene, 20 * h), h)
+        return PARAMETERS["sphere's x"].moved(PARAMETERS[other].moved(scene, factor * h), h)
 
-    one = of(world, "sphere's x", "sun azimuth", size=size, scanlines=4)
-    together = reference(world, {"both": (both, PARAMETERS["sphere's x"].step)}, size, 4)["both"]
-    expected = one["sphere's x"].blocks + 20 * one["sun azimuth"].blocks
+    one = of(scene, "sphere's x", other, size=size, scanlines=4)
+    together = reference(scene, {"both": (both, PARAMETERS["sphere's x"].step)}, size, 4)["both"]
+    expected = one["sphere's x"].blocks + factor * one[other].blocks
     assert np.abs(together.blocks - expected).sum() < 0.01 * np.abs(expected).sum()
 
 
@@ -97,7 +99,7 @@ def test_what_is_not_seen_changes_nothing():
     center = world.spheres.center.copy()
     center[0] = world.camera.position + np.array([0, 0, 9.0])
     world = replace(world, spheres=replace(world.spheres, center=center))
-    for each in of(world, "sphere's x", "first radius", scanlines=4).values():
+    for each in of(world, "sphere's x", "first radius", size=(24, 12), scanlines=2).values():
         assert not each.image.any()
         assert not each.blocks.any()
 

@@ -40,6 +40,7 @@ def within_a_silhouette():
     )
 
 
+@pytest.mark.full
 def test_where_nothing_has_an_edge_it_is_the_derivative():
     world = within_a_silhouette()
     found = difference(world, "sun azimuth", SIZE, 4)

@@ -11,7 +11,6 @@ import numpy as np
 
 from raytrace.rendering import render
 from raytrace.scene.data import Scene
-from raytrace.scene.sun import lit_from
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene, scenes
 from raytrace.studies.bench.accuracy import Errors, reference
 from raytrace.studies.bench.crowds import crowd
@@ -75,7 +74,7 @@ def rows(
         return DeviceRow(name, _median(function, runs), compiling, exact.errors(drawn) if image else None)
 
     def display(**choices: Any) -> Callable:
-        return lambda sun: render(lit_from(scene, sun), size, **choices)
+        return lambda sun: render(scene.with_("sun.direction", sun), size, **choices)
 
     yield alone("default scene, the program alone", display(), sun, True)
     yield alone("the same, skipping nothing", display(skip=False), sun, True)
@@ -89,20 +88,20 @@ def rows(
     yield waited("float32 on the host", lambda: np.asarray(render(scene, size)), True)
 
     def brightness(size: tuple[int, int], **choices: Any) -> Callable:
-        return lambda sun: jnp.mean(render(lit_from(scene, sun), size, **choices) ** 2)
+        return lambda sun: jnp.mean(render(scene.with_("sun.direction", sun), size, **choices) ** 2)
 
     yield alone("value and gradient by the sun", jax.value_and_grad(brightness(size)), sun)
     suns = sun + 1e-4 * jnp.arange(batch)[:, None] * jnp.array([0, 0, 1])
     small = (SIDE, SIDE)
     few = max(1, in_flight // 10)
     several = f"{batch} suns at {SIDE}x{SIDE}"
-    yield alone(several, jax.vmap(lambda sun: render(lit_from(scene, sun), small)), suns, number=few)
+    yield alone(several, jax.vmap(lambda sun: render(scene.with_("sun.direction", sun), small)), suns, number=few)
     yield alone(f"{several}, value and gradient", jax.vmap(jax.value_and_grad(brightness(small))), suns, number=few)
     for number in crowds:
         many = crowd(number)
 
         def of_crowd(sun: Any, many: Scene = many) -> Any:
-            return render(lit_from(many, sun), size)
+            return render(many.with_("sun.direction", sun), size)
 
         yield alone(f"{number} spheres, grids included", of_crowd, sun, number=few)
     yield alone("edges", display(antialias="edges"), sun, number=max(1, in_flight // 30))
@@ -152,7 +151,7 @@ def _checks_of(name: str, scene: Scene, size: tuple[int, int]) -> Iterator[Check
     suns = np.asarray(scene.sun.direction, "float32") + np.array([[0, 0, 0], [0.2, 0, 0], [0, 0.3, 0.1]], "float32")
 
     def weighted(sun: Any) -> Any:
-        return jnp.sum(render(lit_from(scene, sun), size, output="linear") * weights)
+        return jnp.sum(render(scene.with_("sun.direction", sun), size, output="linear") * weights)
 
     slope = jax.jit(jax.grad(weighted))
     here = np.array([slope(sun) for sun in suns])

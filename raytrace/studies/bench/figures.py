@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 from raytrace.errors import EngineFailure, InputError
 from raytrace.notebook import view
 from raytrace.rendering import render
-from raytrace.scene.sun import lit_from
 from raytrace.scene.toml import DEFAULT_SCENE, load_scene
 from raytrace.studies.bench.accuracy import reference
 from raytrace.studies.bench.contenders import drawing_frame, drjit_frame, mitsuba_frame, plain_jit
@@ -127,7 +126,7 @@ def _gradient(run: Run) -> Iterator[Figure]:
     scene = load_scene(DEFAULT_SCENE)
 
     def brightness(direction: jax.Array) -> jax.Array:
-        return render(lit_from(scene, direction), run.size).mean()
+        return render(scene.with_("sun.direction", direction), run.size).mean()
 
     direction = jax.numpy.array(scene.sun.direction, "float32")
     both, forward = jax.jit(jax.value_and_grad(brightness)), jax.jit(brightness)

@@ -22,7 +22,8 @@ def test_every_row_has_a_time_and_the_pictures_an_error(monkeypatch):
     assert sum(row.errors is not None for row in rows) >= 5
 
 
-@pytest.mark.parametrize("scene", some(("spheres", "orthographic"), "spheres"))
+@pytest.mark.full
+@pytest.mark.parametrize("scene", some(("sphere", "spheres", "orthographic"), "sphere"))
 def test_a_cpu_keeps_every_promise(scene):
     found = list(device.checks(SIZE, [scene]))
     assert len(found) == 4
