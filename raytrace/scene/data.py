@@ -8,7 +8,7 @@ become NumPy float64 arrays; arrays, traced ones included, are kept as they are.
 
 from collections.abc import Callable, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
-from typing import Any, ClassVar, Self, TypeAlias, TypeVar
+from typing import Any, ClassVar, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -100,6 +100,9 @@ def _equal(a: Any, b: Any) -> bool:
     return a == b
 
 
+Record = TypeVar("Record", bound="_Record")
+
+
 @dataclass(frozen=True, eq=False)
 class _Record:
     """Conversion to arrays, equality by value, and copies with other values."""
@@ -123,7 +126,7 @@ class _Record:
             return NotImplemented
         return all(_equal(getattr(self, entry.name), getattr(other, entry.name)) for entry in fields(self))
 
-    def with_(self, *path_and_value: Any, **changes: Any) -> Self:
+    def with_(self: Record, *path_and_value: Any, **changes: Any) -> Record:
         """Return a copy with other values.
 
         path_and_value: a path as in a scene file, such as ``"sun.azimuth"`` or ``"spheres[0].radius"``, and the value
@@ -143,7 +146,7 @@ class _Record:
             changed = changed._changed(parts, value, path)
         return changed
 
-    def _changed(self, parts: list[str | int], value: Any, path: str) -> Self:
+    def _changed(self: Record, parts: list[str | int], value: Any, path: str) -> Record:
         """A copy with `value` where the `parts` of the `path` lead."""
         first, *rest = parts
         name = self.SPELLINGS.get(str(first), str(first))
@@ -175,8 +178,6 @@ def _within(place: Any, parts: list[str | int], value: Any, path: str) -> Any:
     except (TypeError, ValueError):
         raise InputError(f"{path}: must be of shape {place.shape[1:]}, found {value!r}") from None
 
-
-Record = TypeVar("Record", bound=_Record)
 
 #: The classes of a scene.
 NODES: list[type[_Record]] = []
@@ -223,7 +224,7 @@ class Spheres(_Record):
     radius: Numbers = _array(LENGTH, "the radii")
     color: Vectors = _array(COLOR, "linear RGB colours")
 
-    def _changed(self, parts: list[str | int], value: Any, path: str) -> Self:
+    def _changed(self, parts: list[str | int], value: Any, path: str) -> Any:
         first, *rest = parts
         if not isinstance(first, int):
             return super()._changed(parts, value, path)
@@ -301,7 +302,7 @@ class Sun(_Record):
         """Return the elevation in degrees: 90 is +y."""
         return sun_angles(self.direction)[1]
 
-    def _changed(self, parts: list[str | int], value: Any, path: str) -> Self:
+    def _changed(self, parts: list[str | int], value: Any, path: str) -> Any:
         if parts == ["azimuth"]:
             return replace(self, direction=sun_direction(value, self.elevation))
         if parts == ["elevation"]:

@@ -30,6 +30,7 @@ def x64():
         yield
 
 
+@pytest.mark.full
 def test_by_the_sun_s_elevation_it_is_that_of_supersampled_images():
     """Of the sky, a smooth scene: pixel by pixel, within 5 %."""
     scene = raytrace.load_scene("skybox")

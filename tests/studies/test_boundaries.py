@@ -94,6 +94,7 @@ def test_two_changes_together_are_the_sum_of_both(world, other, factor):
     assert np.abs(together.blocks - expected).sum() < 0.01 * np.abs(expected).sum()
 
 
+@pytest.mark.full
 def test_what_is_not_seen_changes_nothing():
     world = replace(random_world(0), lighting="on")
     center = world.spheres.center.copy()
