@@ -14,7 +14,7 @@ import numpy as np
 from raytrace.backends import BACKENDS, renderer
 from raytrace.backends.job import ForeignShader, Job
 from raytrace.backends.sharding import explicit_sharding_refused
-from raytrace.errors import InputError, check_choice
+from raytrace.errors import InputError, check_choice, unknown
 from raytrace.glsl.source import read_shader
 from raytrace.language.control import Engine
 from raytrace.scene.check import check_structure, is_traced
@@ -78,6 +78,9 @@ class Options:
     time_limit: Annotated[float, "Seconds that your own shader may take."] = ForeignShader.time_limit
     engine: Engine | str | None = None
 
+    def __post_init__(self):
+        object.__setattr__(self, "dtype", _name_of_type(self.dtype))
+
     def check(self) -> None:
         """Check all but the scene.
 
@@ -87,7 +90,9 @@ class Options:
         check_size(self.size)
         check_choice("backend", self.backend, BACKENDS)
         check_choice(f"dtype of backend {self.backend}", self.dtype, BACKENDS[self.backend].dtypes)
-        check_choice("output", self.output, OUTPUTS)
+        if self.output not in OUTPUTS:
+            steps = "steps: every step of the shader, such as the normal N and the depth t, in one .exr"
+            raise InputError(f"output: {unknown(self.output, OUTPUTS)} ({steps})")
         if self.intersection is not None:
             check_choice("intersection", self.intersection, INTERSECTIONS)
         if not _is_whole(self.samples) or not 1 <= self.samples <= MOST_SAMPLES:
@@ -150,6 +155,17 @@ class Options:
         """Return the formula for the sphere."""
         usual = "robust" if self.dtype == "float32" else "textbook"
         return self.intersection or BACKENDS[self.backend].intersection or usual
+
+
+def _name_of_type(dtype: Any) -> Any:
+    """The name of a type of NumPy's or JAX's, `np.float32`, `jnp.float32` or `np.dtype("float32")`; others as is."""
+    if isinstance(dtype, str) or dtype is None:
+        return dtype
+    try:
+        found = np.dtype(dtype)
+    except TypeError:
+        return dtype
+    return "longdouble" if found == np.longdouble and found != np.float64 else found.name
 
 
 class Rendering:
@@ -264,7 +280,7 @@ def render(options: Options) -> Any:
     scene: a `Scene`, concrete or traced by JAX; a built-in's name; or a scene file's path.
     size: (width, height) in pixels.
     backend: "jax"; "numpy"; or the assignment's GLSL on a graphics engine, "opengl" or "webgl".
-    dtype: "float32"; with JAX and NumPy "float64"; with NumPy also "longdouble".
+    dtype: "float32"; with JAX and NumPy "float64"; with NumPy also "longdouble". Or such a type of NumPy's or JAX's.
     samples: n for the mean, in linear light, of an n x n grid of samples a pixel, at (k + 1/2) / n.
     output: "display" for values in [0, 1]; "linear" for what the film is given, HDR; "steps" for a dict of every
         step of the shader by the assignment's name (`raytrace.shader.Steps`), arrays (height, width) or

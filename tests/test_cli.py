@@ -75,6 +75,34 @@ def test_outputs_and_formats():
         assert check(raytrace.read_image(args[1]))
 
 
+def test_standard_output_is_an_output():
+    """A PNG, and nothing else with it."""
+    args = [*COMMAND, "render", "sphere", *SMALL, "-o", "-"]
+    done = subprocess.run(args, capture_output=True, check=True)
+    assert done.stderr == b""
+    Path("a.png").write_bytes(done.stdout)
+    assert raytrace.read_image("a.png").shape == (18, 32, 3)
+    assert [file.name for file in Path().iterdir()] == ["a.png"]
+    text = command("export", "sphere", "-o", "-").stdout
+    assert text.startswith("#version 300 es\n")
+
+
+def test_a_view_is_a_page():
+    environment = os.environ | {"BROWSER": "true %s"}
+    done = subprocess.run([*COMMAND, "view", "sphere", "-o", "a.html"], capture_output=True, text=True, env=environment)
+    assert (done.returncode, done.stdout) == (0, "a.html: sphere\n")
+    assert Path("a.html").read_text().lower().startswith("<!doctype html>")
+
+
+@pytest.mark.parametrize("name", ["bench", "stress", "mutants", "gradients", "sun-trials"])
+def test_measurements_are_commands_of_measure(name):
+    alone, grouped = (command(*before, name, "--help") for before in ((), ("measure",)))
+    assert (alone.returncode, grouped.returncode) == (0, 0)
+    assert alone.stdout.splitlines()[1:] == grouped.stdout.splitlines()[1:]
+    assert name in command("measure").stdout
+    assert name in command("--help").stdout
+
+
 def test_scene_files_are_named_after():
     raytrace.save_scene(raytrace.load_scene("sphere"), "mine.toml")
     assert command("render", "mine.toml", *SMALL).stdout.startswith("mine.png: 32x18, numpy float32, ")
@@ -129,6 +157,12 @@ def test_pixel_in_other_arithmetics(dtype):
 #: Arguments of the command, and what it says of them.
 BAD_INPUT = [
     (["rendre"], "No such command 'rendre'"),
+    (["diff", "a.png", "b.png"], "No such command 'diff'; there is 'raytrace compare'"),
+    (["measure", "bnch"], "No such command 'bnch'"),
+    (["render", "--width", "100"], "No such option: --width; there is --size WIDTHxHEIGHT"),
+    (["render", "--spp", "4"], "No such option: --spp; there is --samples N, for N x N samples a pixel"),
+    (["render", "--output", "normals"], "output: unknown 'normals'; there is: display, linear, steps (steps: every"),
+    (["render", "--shader", "nowhere.frag"], "nowhere.frag: no such file"),
     (["render", "moon"], "moon: no such scene; built in: "),
     (["render", "nowhere.toml"], "nowhere.toml: no such file"),
     (["render", "--nonsense"], "No such option: --nonsense"),

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from raytrace.cli.groups import PLAIN, Commands
+from raytrace.cli.guesses import with_a_hint
 from raytrace.cli.signals import end_at_signals
 from raytrace.cli.waits import show_waits
 from raytrace.errors import EngineFailure, InputError
@@ -77,7 +78,7 @@ def run() -> None:
     except EngineFailure as error:
         code = _failed(str(error), _RAN_AND_FAILED)
     except _UsageError as error:
-        code = _failed(error.format_message())
+        code = _failed(with_a_hint(error.format_message()))
     except BrokenPipeError:
         code = 0  # whoever reads has seen enough
     except OSError as error:

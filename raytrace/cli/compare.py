@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Changes, Layer, Size, check_outputs, size_of
-from raytrace.comparison import BOUNDS, NotFinite, failures, matrix, write_diff
+from raytrace.cli.options import Changes, Layer, Require, Size, check_outputs, size_of
+from raytrace.comparison import NotFinite, failures, matrix, requirements, write_diff
 from raytrace.comparison import compare as compare_images
 from raytrace.errors import InputError
 from raytrace.scene import load_scene
@@ -18,14 +18,14 @@ _FAILED = 1
 
 _Image = Annotated[str | None, typer.Argument(help="An image file, backend:NAME, or backend:NAME:DTYPE.")]
 _Kind = Annotated[str | None, typer.Option(help="display or linear; default: what the file says, or its ending.")]
-_Least = Annotated[float | None, typer.Option(help="Exit with 1 unless it is at least so much.")]
-_Most = Annotated[float | None, typer.Option(help="Exit with 1 unless it is at most so much.")]
 
 
 def compare(
-    context: typer.Context,
     a: _Image = None,
     b: _Image = None,
+    against: Annotated[
+        str | None, typer.Option(metavar="REFERENCE", help="The right image, instead of B: A's mistake is sought.")
+    ] = None,
     scene: Annotated[
         str | None, typer.Option(help="What is rendered, whose film develops linear light; default: the files' own.")
     ] = None,
@@ -40,27 +40,25 @@ def compare(
     every_backend: Annotated[
         bool, typer.Option("--matrix", help="Instead: every backend against every other on the scene.")
     ] = False,
-    min_ssim: _Least = None,
-    min_worst_ssim: _Least = None,
-    min_psnr: _Least = None,
-    max_rmse: _Most = None,
-    max_difference: _Most = None,
-    max_share: _Most = None,
-    max_delta_e: _Most = None,
-    max_delta_e_999: _Most = None,
-    max_flip: _Most = None,
-    max_flip_999: _Most = None,
+    require: Require = [],  # noqa: B006
 ) -> None:
-    """Compare two images: how far apart, where, by which mistake."""
-    bounds = {name: context.params[name] for name in BOUNDS if context.params[name] is not None}
+    """Compare two images: how far apart, where, by which mistake.
+
+    The reference is the image after --against; or what a backend renders; or the only file of raytrace's own; or A.
+    """
+    bounds = requirements(require)
     if every_backend:
-        if a is not None or diff is not None or bounds:
-            raise InputError("--matrix: takes a scene and a size, and no images, bounds or --diff")
+        if a is not None or against is not None or diff is not None or bounds:
+            raise InputError("--matrix: takes a scene and a size, and no images, --require or --diff")
         table = matrix(load_scene(scene or DEFAULT_SCENE, changes), size_of(size))
         print(table.to_json() if as_json else table)
         return
+    if against is not None:
+        if b is not None:
+            raise InputError("--against: takes the place of B; give one image and its reference")
+        b = against
     if a is None or b is None:
-        raise InputError("compare: takes two images, A and B, or --matrix")
+        raise InputError("compare: takes two images, A and B; or one and --against REFERENCE; or --matrix")
     if changes and scene is None:
         raise InputError("--set: changes a scene; give one (--scene)")
     check_outputs([diff], [a, b, scene])
@@ -73,6 +71,7 @@ def compare(
             kinds=(a_is, b_is),
             diagnose=diagnose,
             layer=layer,
+            reference=None if against is None else "b",
         )
     except NotFinite as error:
         _fail(str(error))

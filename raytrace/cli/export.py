@@ -1,11 +1,13 @@
-"""The command `export`."""
+"""The commands `export` and `view`."""
 
+import sys
+import tempfile
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Changes, Scene, Size, check_outputs, size_of
+from raytrace.cli.options import STANDARD_OUTPUT, Changes, Scene, Size, check_outputs, size_of
 from raytrace.errors import check_choice
 from raytrace.export import EXPORTS
 from raytrace.files import whole_file
@@ -13,7 +15,7 @@ from raytrace.scene import load_scene
 from raytrace.scene.toml import DEFAULT_SCENE
 from raytrace.shader.sphere import INTERSECTIONS
 
-__all__ = ["export"]
+__all__ = ["export", "view"]
 
 _ENDINGS = {"glsl": ".frag", "shaderlabweb": ".frag", "html": ".html"}
 
@@ -22,7 +24,8 @@ def export(
     scene: Scene = DEFAULT_SCENE,
     to: Annotated[str, typer.Option(help="glsl, shaderlabweb or html.")] = "glsl",
     out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The file; default: the scene's name, .frag or .html.")
+        Path | None,
+        typer.Option("-o", "--out", help="The file; - for standard output; default: SCENE.frag or .html."),
     ] = None,
     size: Size = "1920x1080",
     changes: Changes = [],  # noqa: B006 (typer's way)
@@ -36,6 +39,30 @@ def export(
     out = out or Path(f"{Path(scene).stem}{_ENDINGS[to]}")
     check_outputs([out], [scene])
     text = EXPORTS[to](load_scene(scene, changes), size_of(size), intersection=intersection, data=data)
+    if str(out) == STANDARD_OUTPUT:
+        sys.stdout.write(text)
+        return
     with whole_file(out) as temporary:
         temporary.write_text(text, encoding="utf-8")
     print(f"{out}: {scene} as {to}")
+
+
+def view(
+    scene: Scene = DEFAULT_SCENE,
+    changes: Changes = [],  # noqa: B006
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="Keep the page in this file; default: one that is temporary.")
+    ] = None,
+) -> None:
+    """Open a scene in a browser, to turn it and move its sun."""
+    import webbrowser
+
+    loaded = load_scene(scene, changes)
+    if out is None:
+        # It has to outlive this process: the browser reads it later.
+        out = Path(tempfile.mkdtemp(prefix="raytrace-")) / f"{Path(scene).stem}.html"
+    check_outputs([out], [scene])
+    with whole_file(out) as temporary:
+        temporary.write_text(EXPORTS["html"](loaded, (1920, 1080)), encoding="utf-8")
+    opened = webbrowser.open(out.resolve().as_uri())
+    print(f"{out}: {scene}{'' if opened else '; no browser is found here, open the file in one'}")

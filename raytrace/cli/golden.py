@@ -7,17 +7,30 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Layer, Size, check_outputs, size_of, taking_options
+from raytrace.cli.options import Changes, Layer, Require, Size, check_outputs, size_of, taking_options
 from raytrace.cli.waits import progress
+from raytrace.comparison import requirements
 from raytrace.errors import InputError
 from raytrace.glsl.source import read_shader
-from raytrace.golden import backend_source, folder_source, golden_folder, golden_scenes, write_goldens, write_report
+from raytrace.golden import (
+    backend_source,
+    folder_source,
+    golden_folder,
+    golden_scenes,
+    one_image,
+    write_goldens,
+    write_report,
+)
 from raytrace.golden.manifest import MANIFEST
 from raytrace.rendering import Options
+from raytrace.scene import load_scene
 
 __all__ = ["check", "golden"]
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="The folder of the golden images.")]
+Checkable = Annotated[
+    Path, typer.Argument(metavar="DIR|IMAGE", help="The folder of the golden images; or one image, with its --scene.")
+]
 
 
 def golden(
@@ -44,7 +57,11 @@ def golden(
 @taking_options("dtype", "shader", "uniforms", "time_limit")
 def check(
     options: Options,
-    folder: Folder,
+    folder: Checkable,
+    scene: Annotated[
+        str | None, typer.Option(help="Of one IMAGE: a built-in scene or a TOML file; default: what the image says.")
+    ] = None,
+    changes: Changes = [],  # noqa: B006
     backend: Annotated[
         str | None,
         typer.Option(help="The backend to check: jax, numpy, opengl or webgl; with --shader: opengl by default."),
@@ -54,35 +71,47 @@ def check(
     ] = None,
     display: Annotated[bool, typer.Option("--display", help="The files hold display values.")] = False,
     layer: Layer = None,
-    min_ssim: Annotated[float | None, typer.Option(help="The mean SSIM, at least; default: 0.9999.")] = None,
-    max_share: Annotated[
-        float | None, typer.Option(help="The share of pixels over 1/255, at most; default: 0.001.")
-    ] = None,
+    require: Require = [],  # noqa: B006 (typer's way)
     report: Annotated[Path, typer.Option(help="The HTML report.")] = Path("report.html"),
     as_json: Annotated[bool, typer.Option("--json", help="Print the results as JSON.")] = False,
 ) -> None:
     """Check a backend, a shader or images against golden images.
 
-    The images may be those of another renderer. Exit code 1 if any fails.
+    The images may be those of another renderer. One image is checked without a folder: its golden image and the bounds
+    are made for it. Exit code 1 if any fails.
     """
-    shader = options.shader
+    bounds, shader = requirements(require), options.shader
     if shader is not None and backend is None:
         backend = "opengl"
-    if (images is None) == (backend is None):
-        raise InputError("check: give one of --images, --backend and --shader")
-    check_outputs([report], [shader, folder / MANIFEST])
-    held = golden_folder(folder)
-    if images is not None:
-        what, source = str(images), folder_source(images, "display" if display else None, layer)
+    kind = "display" if display else None
+    check_outputs([report], [shader, scene, folder if folder.is_file() else folder / MANIFEST])
+    if folder.is_file():
+        if images is not None or backend is not None:
+            raise InputError("check: one IMAGE is checked by itself, without --images, --backend and --shader")
+        if changes and scene is None:
+            raise InputError("--set: changes a scene; give one (--scene)")
+        known = None if scene is None else load_scene(scene, changes)
+        with progress(1, "bounding every pixel") as advance:
+            held, source = one_image(folder, known, kind, layer, done=advance)
+        what = str(folder)
+    elif scene is not None and not folder.exists():
+        raise InputError(f"{folder}: no such image")
+    elif (images is None) == (backend is None):
+        raise InputError("check: give one of --images, --backend and --shader, or one IMAGE and its --scene")
+    elif scene is not None or changes:
+        raise InputError("--scene: is that of one IMAGE; the golden images of a folder have their own")
     else:
-        if shader is not None:
-            read_shader(shader)  # else every golden image would say that it cannot be
-        source = backend_source(replace(options, backend=backend))
-        what = f"backend {backend} {options.dtype}" if shader is None else f"{shader} on {backend}"
+        held = golden_folder(folder)
+        if images is not None:
+            what, source = str(images), folder_source(images, kind, layer)
+        else:
+            if shader is not None:
+                read_shader(shader)  # else every golden image would say that it cannot be
+            source = backend_source(replace(options, backend=backend))
+            what = f"backend {backend} {options.dtype}" if shader is None else f"{shader} on {backend}"
     results = []
     with progress(len(held.goldens), "comparing") as advance:
-        bounds = {"min_ssim": min_ssim, "max_share": max_share}
-        for result in held.check(source, {name: limit for name, limit in bounds.items() if limit is not None}):
+        for result in held.check(source, bounds):
             results.append(result)
             if not as_json:
                 print(result, flush=True)

@@ -3,7 +3,7 @@
 import ast
 from importlib import import_module
 from importlib.resources import files
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import typer
 from typer.core import TyperGroup
@@ -29,6 +29,7 @@ GROUPS: dict[str, dict[str, Place]] = {
         "show": Place("scenes", "show"),
         "pixel": Place("render", "pixel"),
         "export": Place("export", "export"),
+        "view": Place("export", "view"),
     },
     "Check your renderer": {
         "compare": Place("compare", "compare"),
@@ -43,16 +44,18 @@ GROUPS: dict[str, dict[str, Place]] = {
     "From images back": {
         "fit-sun": Place("inverse", "fit_sun"),
     },
-    "Measure raytrace": {
-        "bench": Place("bench", "bench"),
-        "stress": Place("stress", "stress"),
-        "mutants": Place("mutants", "mutants"),
-        "gradients": Place("inverse", "gradients"),
-        "sun-trials": Place("inverse", "sun_trials"),
-    },
 }
-#: All commands by name.
-COMMANDS = {name: place for group in GROUPS.values() for name, place in group.items()}
+#: The name of the command that has commands of its own, for those who develop raytrace itself.
+MEASURE = "measure"
+MEASUREMENTS = {
+    "bench": Place("bench", "bench"),
+    "stress": Place("stress", "stress"),
+    "mutants": Place("mutants", "mutants"),
+    "gradients": Place("inverse", "gradients"),
+    "sun-trials": Place("inverse", "sun_trials"),
+}
+#: All commands by name. Measurements may also be asked for without `measure`.
+COMMANDS = {name: place for group in (*GROUPS.values(), MEASUREMENTS) for name, place in group.items()}
 
 
 def command(name: str) -> Any:
@@ -63,12 +66,15 @@ def command(name: str) -> Any:
     return typer.main.get_command(alone)
 
 
-class Commands(TyperGroup):
-    """All commands."""
+class _Lazy(TyperGroup):
+    """Commands that are imported when they are asked for."""
+
+    #: As the help lists them.
+    groups: ClassVar[dict[str, dict[str, Place]]]
 
     def __init__(self, **attributes: Any):
         super().__init__(**attributes)
-        self.commands: Any = dict.fromkeys(COMMANDS)
+        self.commands: Any = dict.fromkeys(name for group in self.groups.values() for name in group)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         if cmd_name not in self.commands:
@@ -78,10 +84,47 @@ class Commands(TyperGroup):
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section for each group: the summaries are read, and nothing is imported."""
-        widest = max(map(len, COMMANDS))
-        for group, places in GROUPS.items():
+        widest = max(len(name) for group in self.groups.values() for name in group)
+        for group, places in self.groups.items():
             with formatter.section(group):
                 formatter.write_dl([(name.ljust(widest), _summary(place)) for name, place in places.items()])
+
+
+class Measurements(_Lazy):
+    """The commands after `measure`."""
+
+    groups: ClassVar = {"Measure raytrace": MEASUREMENTS}
+
+
+class Commands(_Lazy):
+    """All commands."""
+
+    groups: ClassVar = GROUPS
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        if cmd_name == MEASURE:
+            return _measure()
+        if cmd_name in MEASUREMENTS and cmd_name not in self.commands:
+            self.commands[cmd_name] = None
+        return super().get_command(ctx, cmd_name)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write a section for each group, and one for the measurements."""
+        super().format_commands(ctx, formatter)
+        with formatter.section(f"Measure raytrace: 'raytrace {MEASURE} ...'"):
+            formatter.write_dl([(name.ljust(11), _summary(place)) for name, place in MEASUREMENTS.items()])
+
+
+def _measure() -> Any:
+    """The command `measure`."""
+    several = typer.Typer(name=MEASURE, help="Measure raytrace itself.", cls=Measurements, **PLAIN)
+
+    @several.callback(invoke_without_command=True)
+    def without_command(context: typer.Context) -> None:
+        if context.invoked_subcommand is None:
+            print(context.get_help())
+
+    return typer.main.get_command(several)
 
 
 def _summary(place: Place) -> str:

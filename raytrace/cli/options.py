@@ -12,11 +12,32 @@ import typer
 from raytrace.errors import InputError
 from raytrace.rendering import Options, check_size
 
-__all__ = ["Changes", "Layer", "Scene", "Size", "check_outputs", "size_of", "taking_options"]
+__all__ = [
+    "STANDARD_OUTPUT",
+    "Changes",
+    "Layer",
+    "Require",
+    "Scene",
+    "Size",
+    "check_outputs",
+    "size_of",
+    "taking_options",
+]
+
+#: The name of an output that is no file.
+STANDARD_OUTPUT = "-"
 
 Scene = Annotated[str, typer.Argument(help="A built-in scene's name (see 'raytrace scenes') or a TOML file.")]
 Size = Annotated[str, typer.Option(help="WIDTHxHEIGHT in pixels.")]
 Changes = Annotated[list[str], typer.Option("--set", help="key=value, such as sun.direction=[0,1,0]; repeatable.")]
+
+Require = Annotated[
+    list[str],
+    typer.Option(
+        help="METRIC>=NUMBER or METRIC<=NUMBER, such as 'ssim>=0.9999', or exit code 1; repeatable. "
+        "ssim, worst-ssim, psnr; rmse, difference, share, delta-e, delta-e-999, flip, flip-999."
+    ),
+]
 
 Layer = Annotated[str | None, typer.Option(help="Which layer, or part, of an EXR with several is the picture.")]
 

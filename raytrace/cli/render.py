@@ -1,5 +1,6 @@
 """Commands that render: `render` and `pixel`."""
 
+import sys
 import time
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
@@ -8,9 +9,10 @@ from typing import Annotated, Any
 
 import typer
 
-from raytrace.cli.options import Changes, Scene, check_outputs, taking_options
+from raytrace.cli.options import STANDARD_OUTPUT, Changes, Scene, check_outputs, taking_options
 from raytrace.cli.waits import progress
 from raytrace.errors import InputError
+from raytrace.files import temporary_folder
 from raytrace.image import file_format, image_file
 from raytrace.rendering import Options, Rendering
 from raytrace.scene import load_scene
@@ -33,13 +35,17 @@ __all__ = ["pixel", "render"]
     "shader",
     "uniforms",
     "time_limit",
+    backend=None,
     output=None,
 )
 def render(
     options: Options,
     scene: Scene = DEFAULT_SCENE,
     out: Annotated[
-        Path | None, typer.Option("-o", "--out", help="The file: .png, .exr, .tif; default: the scene's name, .png.")
+        Path | None,
+        typer.Option(
+            "-o", "--out", help="The file: .png, .exr, .tif; - for PNG on standard output; default: SCENE.png."
+        ),
     ] = None,
     changes: Changes = [],  # noqa: B006 (typer's way)
     bits: Annotated[int | None, typer.Option(help="Bits of a channel: PNG 8, 16; EXR 16, 32; TIFF 8, 16, 32.")] = None,
@@ -55,6 +61,15 @@ def render(
     ] = False,
 ) -> None:
     """Render a scene to an image file."""
+    if options.backend is None:
+        options = replace(options, backend="jax" if options.shader is None else "opengl")
+    if str(out) == STANDARD_OUTPUT:
+        with temporary_folder() as folder:
+            file = folder / "image.png"
+            scene_and_output = {"scene": load_scene(scene, changes), "output": options.output or "display"}
+            _to_file(Rendering(replace(options, **scene_and_output)), file, bits, quiet=True)
+            sys.stdout.buffer.write(file.read_bytes())
+        return
     out = out or Path(f"{Path(scene).stem}.png")
     check_outputs([out], [scene, options.shader])
     together = scheduled or any(value is not None for value in (coordinator, hosts, process_id))
@@ -89,7 +104,7 @@ def _programs(backend: str, cache: bool) -> AbstractContextManager:
     return not_stored()
 
 
-def _to_file(rendering: Rendering, out: Path, bits: int | None) -> None:
+def _to_file(rendering: Rendering, out: Path, bits: int | None, quiet: bool = False) -> None:
     """Renders band by band, each of which is written before the next, and says how long it took."""
     width, height, _ = rendering.frame
     seconds = 0.0
@@ -108,6 +123,8 @@ def _to_file(rendering: Rendering, out: Path, bits: int | None) -> None:
             file.write(band)
             advance(rendering.band_height)
             started = time.perf_counter()
+    if quiet:
+        return
     compiled = f", after compiling for {compiling:.2f} s" if compiling >= 0.01 else ""
     what = f"{width}x{height}, {rendering.options.backend} {rendering.options.dtype}"
     print(f"{out}: {what}, rendered in {seconds:.3f} s{compiled}")

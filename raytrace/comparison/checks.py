@@ -1,14 +1,15 @@
 """Bounds that make a comparison a check."""
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from raytrace.errors import check_choice
+from raytrace.errors import InputError, check_choice, unknown
 
 if TYPE_CHECKING:
     from raytrace.comparison.result import Comparison
 
-__all__ = ["BOUNDS", "Bound", "failures"]
+__all__ = ["BOUNDS", "REQUIRED", "Bound", "failures", "requirements"]
 
 
 class Bound(NamedTuple):
@@ -31,6 +32,37 @@ BOUNDS = {
     "max_flip": Bound("FLIP, mean", False, lambda c: c.flip.mean),
     "max_flip_999": Bound("FLIP, 99.9 %", False, lambda c: c.flip.p999),
 }
+
+
+#: The metrics as a requirement names them, and whose bound each one is: ``ssim`` is that of ``min_ssim``.
+REQUIRED = {name.partition("_")[2].replace("_", "-"): name for name in BOUNDS}
+
+_REQUIREMENT = re.compile(r"\s*([\w-]+)\s*(>=|<=)\s*(\S+)\s*")
+
+
+def requirements(texts: Iterable[str]) -> dict[str, float]:
+    """Return bounds by the names of `BOUNDS` that texts such as ``"ssim>=0.9999"`` or ``"flip-999<=0.1"`` require.
+
+    Raises:
+        InputError: a text is none, its metric is unknown or is bounded from the other side, or its bound is no number.
+    """
+    bounds = {}
+    for text in texts:
+        match = _REQUIREMENT.fullmatch(text)
+        if match is None:
+            raise InputError(f"require: must be like 'ssim>=0.9999' or 'rmse<=0.001', found {text!r}")
+        metric, sign, limit = match[1].replace("_", "-").lower(), match[2], match[3]
+        if metric not in REQUIRED:
+            raise InputError(f"require: {text}: {unknown(metric, REQUIRED)}")
+        name = REQUIRED[metric]
+        right = ">=" if BOUNDS[name].least else "<="
+        if sign != right:
+            raise InputError(f"require: {text}: {metric} is bounded by {right}")
+        try:
+            bounds[name] = float(limit)
+        except ValueError:
+            raise InputError(f"require: {text}: {limit!r} is no number") from None
+    return bounds
 
 
 def failures(comparison: "Comparison", bounds: Mapping[str, float | int]) -> list[str]:

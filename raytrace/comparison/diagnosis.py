@@ -22,7 +22,7 @@ from raytrace.comparison.wrong_films import channel_mistakes, film_mistakes
 from raytrace.comparison.wrong_views import WrongView, resampled, views
 from raytrace.scene import Scene
 
-__all__ = ["Diagnosis", "diagnosis"]
+__all__ = ["Diagnosis", "diagnosis", "said"]
 
 #: Of the squared difference over 1/255, at least.
 _EXPLAINED = 0.9
@@ -37,22 +37,34 @@ _WEIGHED = 3
 _SAME = 0.05
 
 
-class Diagnosis(NamedTuple):
-    """A mistake: "B is " with `mistake` is the sentence.
+def said(name: str, mistake: str) -> str:
+    """Return the sentence that an image of that name shows a mistake: "mine.png has no tone mapper"."""
+    for words, verb in (("without the ", "has no "), ("without ", "has no "), ("with ", "has ")):
+        if mistake.startswith(words):
+            return f"{name} {verb}{mistake.removeprefix(words)}"
+    return f"{name} is {mistake}"
 
+
+class Diagnosis(NamedTuple):
+    """A mistake of an image.
+
+    mistake: as it follows "this is", such as "flipped top to bottom (y)".
     explained: the share of the squared difference over 1/255 that the mistake explains.
     rmse, over: the RMSE and the number of pixels over 1/255, before and after A is given the mistake too, where A
         with the mistake is known.
+    name: the image's.
     """
 
     mistake: str
     explained: float
     rmse: tuple[float, float]
     over: tuple[int, int]
+    name: str = "B"
 
     def __str__(self) -> str:
+        sentence = said(self.name, self.mistake)
         return (
-            f"B is {self.mistake}: explains {100 * self.explained:.1f} % of the squared difference over 1/255; "
+            f"{sentence}: explains {100 * self.explained:.1f} % of the squared difference over 1/255; "
             f"RMSE {self.rmse[0]:.4g} -> {self.rmse[1]:.4g}, pixels over 1/255 {self.over[0]} -> {self.over[1]}"
         )
 

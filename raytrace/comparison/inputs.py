@@ -31,6 +31,8 @@ __all__ = [
 #: What an image's values can be.
 KINDS = ("display", "linear")
 _BACKEND = "backend:"
+#: Backends that run the reference itself, and no shader of a user's.
+REFERENCES = ("numpy", "jax")
 
 
 class NotFinite(InputError):
@@ -60,13 +62,17 @@ def comparable(
     scene: Scene | str | Path | None,
     size: tuple[int, int],
     layer: str | None = None,
-) -> tuple[tuple[np.ndarray, np.ndarray], Depth | None, tuple[str, str], Scene | None]:
-    """The display values of both in float64, the depth that they are compared in, their names, and the known scene.
+    reference: str | None = None,
+) -> tuple[tuple[np.ndarray, np.ndarray], Depth | None, tuple[str, str], Scene | None, str]:
+    """The display values of both in float64, the depth that they are compared in, their names, the known scene, and
+    which of them is the reference, "a" or "b".
 
     Where the values of one are stored more coarsely than in float32, the other's are rounded to the same: what such a
     file cannot hold is no difference. The scene is the one given, or else that of the first file that tells.
     The arguments are those of `raytrace.compare`, which says what is raised.
     """
+    if reference is not None:
+        check_choice("reference", reference, ("a", "b"))
     scene = None if scene is None else as_scene(scene)
     names = names or (_name(sources[0], "A"), _name(sources[1], "B"))
     found = [
@@ -87,7 +93,17 @@ def comparable(
     depth = max(depths, key=lambda depth: depth.unit, default=None)
     if depth is not None:
         images = depth.rounded(images[0]), depth.rounded(images[1])
-    return images, depth, names, known
+    if reference is None:
+        authority = [_authority(image) for image in found]
+        reference = "b" if authority[1] > authority[0] else "a"
+    return images, depth, names, known, reference
+
+
+def _authority(image: Picture | None) -> int:
+    """How likely an image is the right one of two: a backend's rendering, then a file of ours, then anything else."""
+    if image is None:
+        return 2
+    return int(image.metadata.get("backend") in REFERENCES)
 
 
 def rendering_of(text: str, scene: Scene | str | Path, size: tuple[int, int]) -> Rendering:

@@ -35,6 +35,7 @@ class Comparison:
     diagnosis: the mistake that was found, if any; see `raytrace.comparison.diagnosis`.
     regions: the pixels over 1/255 by parts of the scene; empty where no scene is known or no pixel is over.
     images: the display values, float64 (height, width, 3).
+    reference: which of the two is the right one, "a" or "b": the other one's mistake is sought.
     """
 
     names: tuple[str, str]
@@ -51,6 +52,7 @@ class Comparison:
     diagnosis: Diagnosis | None
     regions: tuple[Part, ...]
     images: tuple[np.ndarray, np.ndarray] = field(repr=False, compare=False)
+    reference: str = "a"
 
     @property
     def share(self) -> float:
@@ -61,6 +63,7 @@ class Comparison:
         return {
             "a": self.names[0],
             "b": self.names[1],
+            "reference": self.reference,
             "size": list(self.size),
             "depth": None if self.depth is None else str(self.depth),
             "ssim": plain(self.ssim),
@@ -88,8 +91,10 @@ class Comparison:
             mean, lowest, x, y = self.ssim
             similarity = f"{mean:.6f}, worst window {lowest:.6f} at x {x}, y {y}"
         return [
-            ("A", self.names[0]),
-            ("B", self.names[1]),
+            *(
+                (letter.upper(), f"{name}{', the reference' if letter == self.reference else ''}")
+                for letter, name in zip("ab", self.names, strict=True)
+            ),
             ("size", f"{width}x{height}" + (f", {self.depth} a channel" if self.depth else "")),
             ("SSIM", similarity),
             ("PSNR", f"{self.psnr:.2f} dB"),
@@ -129,8 +134,9 @@ def compare(
     kinds: tuple[str | None, str | None] = (None, None),
     diagnose: bool = True,
     layer: str | None = None,
+    reference: str | None = None,
 ) -> Comparison:
-    """How far `b` is from `a`, the reference.
+    """Return how far two images are apart, and by which mistake of the one that is not the reference.
 
     Where one image is stored more coarsely than the other (8, 10 or 16 bits, half floats), the other is rounded to that
     first. A file says what it is stored as; an array's type does, and floats that are all k / 255 are of 8 bits.
@@ -144,17 +150,23 @@ def compare(
         ending, says; an array is "display".
     diagnose: whether to seek the usual mistakes, and the parts of the scene, where a pixel is over 1/255.
     layer: which layer, or part, of an OpenEXR file is meant, if it has several with red, green and blue.
+    reference: "a" or "b", the one that is right. By default what a backend renders, or else the only file that
+        `raytrace render` or `raytrace golden` has written, or else A.
 
     Raises:
         raytrace.compare.NotFinite: an image holds NaN or infinity; an InputError, too.
         InputError: an image is missing or of another size, or linear light without a scene.
     """
-    images, depth, names, known = comparable((a, b), names, kinds, scene, size, layer)
+    images, depth, names, known, reference = comparable((a, b), names, kinds, scene, size, layer, reference)
+    given, wrong = images, names[1]
+    if reference == "b":
+        images, wrong = (images[1], images[0]), names[0]
     over = metrics.pixels_over(*images)
     height, width = over.shape
     stored = storage_mistake(*images, depth) if diagnose else None
     search = diagnose and (stored is not None or bool(over.any()))
-    reference = Reference(known, width, height) if search and known is not None else None
+    truth = Reference(known, width, height) if search and known is not None else None
+    found = stored or (diagnosis(*images, truth) if search else None)
     return Comparison(
         names=names,
         size=(width, height),
@@ -167,7 +179,8 @@ def compare(
         delta_e=metrics.delta_e(*images),
         flip=metrics.flip(*images),
         searched=search,
-        diagnosis=stored or (diagnosis(*images, reference) if search else None),
-        regions=() if reference is None else regions(over, reference),
-        images=images,
+        diagnosis=None if found is None else found._replace(name=wrong),
+        regions=() if truth is None else regions(over, truth),
+        images=given,
+        reference=reference,
     )

@@ -45,7 +45,7 @@ def film_mistakes(
 
     mapper = program.tone_mapper if isinstance(program.tone_mapper, str) else "the scene's own"
     curve = named(TRANSFERS, program.transfer)
-    yield "without the transfer function (gamma missing)", with_(transfer="none")
+    yield "without gamma (the transfer function is missing)", with_(transfer="none")
     yield "with the transfer function twice (gamma twice)", with_(transfer=lambda x: curve(curve(x)))
     for name in TRANSFERS:
         if name not in (program.transfer, "none"):

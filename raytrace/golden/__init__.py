@@ -1,6 +1,6 @@
 """Golden images: written once from NumPy float64, checked against any other renderer."""
 
-from raytrace.golden.checking import Checked, GoldenFolder, backend_source, folder_source, golden_folder
+from raytrace.golden.checking import Checked, GoldenFolder, backend_source, folder_source, golden_folder, one_image
 from raytrace.golden.golden import BOUNDS, SIZE, Golden, golden_scenes
 from raytrace.golden.report import write_report
 from raytrace.golden.writing import write_goldens
@@ -15,6 +15,7 @@ __all__ = [
     "folder_source",
     "golden_folder",
     "golden_scenes",
+    "one_image",
     "write_goldens",
     "write_report",
 ]

@@ -5,21 +5,21 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from raytrace.certificates import Verification, read_certificate, verify
+from raytrace.certificates import Certificate, Verification, certify, read_certificate, verify
 from raytrace.certificates.certificate import check_specification
 from raytrace.certificates.verify import PROPOSAL, proposal
 from raytrace.comparison import Comparison, failures
-from raytrace.comparison.inputs import Picture, read_picture
+from raytrace.comparison.inputs import Picture, file_picture, read_picture
 from raytrace.errors import EngineFailure, InputError
 from raytrace.golden.golden import Golden, usual_bounds
 from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest
 from raytrace.golden.writing import ACCEPTANCE, DISPLAY
 from raytrace.image.formats import FORMATS
 from raytrace.rendering import Options, Rendering
-from raytrace.scene import scene_hash
+from raytrace.scene import Scene, scene_hash
 from raytrace.scene.toml import scene_from_toml
 
-__all__ = ["Checked", "GoldenFolder", "Source", "backend_source", "folder_source", "golden_folder"]
+__all__ = ["Checked", "GoldenFolder", "Source", "backend_source", "folder_source", "golden_folder", "one_image"]
 
 #: Gives the image to check, or its file, for a golden one.
 Source = Callable[[Golden], Any]
@@ -68,13 +68,13 @@ class GoldenFolder:
 
     broken: by a scene's name what is wrong with its files.
     extra: files that belong to no golden image.
-    certified: by a scene's name the file of the bounds of what a conforming program may print.
+    certified: by a scene's name the bounds of what a conforming program may print, or their file.
     """
 
     goldens: tuple[Golden, ...]
     broken: Mapping[str, tuple[str, ...]]
     extra: tuple[str, ...]
-    certified: Mapping[str, Path] = field(default_factory=dict)
+    certified: Mapping[str, Path | Certificate] = field(default_factory=dict)
 
     def check(self, source: Source, bounds: Mapping[str, float] | None = None) -> Iterator[Checked]:
         """Compares the image that `source` gives for each golden one.
@@ -103,7 +103,9 @@ class GoldenFolder:
         if name not in self.certified:
             return Checked(name, tuple(failures(comparison, {**usual_bounds(comparison), **asked})), comparison)
         # As the image is stored: the comparison has developed linear light, and rounded what is finer than the other.
-        certificate = read_certificate(self.certified[name])
+        certificate = self.certified[name]
+        if isinstance(certificate, Path):
+            certificate = read_certificate(certificate)
         if isinstance(image, Picture):
             verification = verify(image.values, certificate, image.kind, image.depth)
         else:
@@ -141,6 +143,36 @@ def golden_folder(folder: str | Path) -> GoldenFolder:
         if f"{name}{ACCEPTANCE}" in entry.files
     }
     return GoldenFolder(tuple(goldens), broken, tuple(extra), certified)
+
+
+def one_image(
+    path: str | Path,
+    scene: Scene | None = None,
+    kind: str | None = None,
+    layer: str | None = None,
+    done: Callable[[float], object] = lambda share: None,
+) -> tuple[GoldenFolder, Source]:
+    """Return the golden image of one image's scene and size, with certified bounds, and what reads the image.
+
+    scene: what it shows; by default what the file says. kind, layer: as of `folder_source`. done: is called with each
+    share of the work that is done.
+
+    Raises:
+        InputError: there is no such image, or its scene is not known.
+    """
+    path = Path(path)
+    picture = file_picture(path, kind=kind, layer=layer)
+    if scene is None and "scene" not in picture.metadata:
+        raise InputError(f"{path}: does not say which scene it shows; give one (--scene)")
+    known = scene or scene_from_toml(picture.metadata["scene"], f"{path}: the scene in its metadata")
+    height, width, _ = picture.values.shape
+    bounds = certify(
+        known, (width, height), precision="glsl-highp", done=lambda pixels: done(pixels / (width * height))
+    )
+    golden = Golden(path.stem, known, (width, height))
+    held = GoldenFolder((golden,), {}, (), {path.stem: bounds})
+    # Read again where its values are checked: NaN fails, as in a folder.
+    return held, lambda golden: read_picture(path, str(path), kind, with_scene=False, layer=layer)
 
 
 def backend_source(options: Options) -> Source:

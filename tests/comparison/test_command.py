@@ -42,13 +42,35 @@ def test_a_comparison_is_a_table_and_a_picture(files):
     assert (done.returncode, done.stderr) == (0, "")
     for text in ("SSIM", "worst window", "PSNR", "RMSE", "largest", "over 1/255", "CIEDE2000", "FLIP", "per degree"):
         assert text in done.stdout
-    assert "B is flipped top to bottom (y)" in done.stdout
+    assert "b.png is flipped top to bottom (y)" in done.stdout
     assert "sphere 0 " in done.stdout
     assert raytrace.read_image("d.png").shape[1] > 1000
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("b.png", "--against", "a.png"),
+        ("b.png", "backend:numpy"),
+        ("backend:numpy", "b.png"),
+        ("b.png", "ours.exr"),
+        ("ours.exr", "b.png"),
+    ],
+)
+def test_the_reference_is_known(files, arguments):
+    """The mistake is never that of what a backend renders, nor of a file of ours."""
+    command("render", "spheres", *SMALL, "--backend", "numpy", "--output", "display", "-o", "ours.exr")
+    done = command("compare", *arguments, "--scene", "spheres", *SMALL)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "b.png is flipped top to bottom (y)" in done.stdout
+    (right,) = (line for line in done.stdout.splitlines() if line.endswith(", the reference"))
+    assert "b.png" not in right
+
+
 def test_json_and_bounds_that_hold(files):
-    bounds = ["--min-ssim", "0.99", "--max-flip", "0.05", "--max-difference", "0.01", "--max-share", "0"]
+    bounds = [
+        word for each in ("ssim>=0.99", "flip<=0.05", "difference <= 0.01", "share<=0") for word in ("--require", each)
+    ]
     done = command("compare", "a.png", "backend:numpy:float64", "--scene", "spheres", *SMALL, "--json", *bounds)
     assert (done.returncode, done.stderr) == (0, "")
     report = json.loads(done.stdout)
@@ -56,7 +78,9 @@ def test_json_and_bounds_that_hold(files):
 
 
 def test_a_failing_check_is_one_line_and_exit_code_1(files):
-    told, printed = failed("a.png", "b.png", "--min-ssim", "0.99", "--max-rmse", "1", "--max-share", "0.1")
+    told, printed = failed(
+        "a.png", "b.png", "--require", "ssim>=0.99", "--require", "rmse<=1", "--require", "share<=0.1"
+    )
     assert told.startswith("SSIM is 0.")
     assert "; share of pixels over 1/255 is " in told
     assert "RMSE" not in told
@@ -71,7 +95,7 @@ def test_nan_is_a_failing_check_even_against_itself(files):
 
 
 def test_linear_light_against_display(files):
-    done = command("compare", "linear.exr", "a.png", "--scene", "spheres", "--max-share", "0")
+    done = command("compare", "linear.exr", "a.png", "--scene", "spheres", "--require", "share<=0")
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -94,7 +118,12 @@ BAD_INPUT = [
     (["a.png", "b.png", "--scene", "moon"], "moon: no such scene"),
     (["a.png", "b.png", "--set", "lighting='on'"], "--set: changes a scene; give one (--scene)"),
     (["a.png", "b.png", "--a-is", "log"], "kind of values: unknown 'log'"),
-    (["a.png", "b.png", "--min-ssim", "high"], "'--min-ssim'"),
+    (["a.png", "b.png", "--require", "ssim>=high"], "require: ssim>=high: 'high' is no number"),
+    (["a.png", "b.png", "--require", "ssim<=1"], "require: ssim<=1: ssim is bounded by >="),
+    (["a.png", "b.png", "--require", "sim>=1"], "require: sim>=1: unknown 'sim'; did you mean 'ssim'?"),
+    (["a.png", "b.png", "--require", "ssim"], "require: must be like 'ssim>=0.9999'"),
+    (["a.png", "b.png", "--against", "a.png"], "--against: takes the place of B"),
+    (["--against", "a.png"], "takes two images"),
     (["a.png", "b.png", "--diff", "d.jpg"], "d.jpg: a figure's file must be named *.png"),
     (["a.png", "b.png", "--diff", "nowhere/d.png"], "the folder nowhere does not exist"),
     (["--matrix", "--size", "0x1"], "size: must be (width, height)"),

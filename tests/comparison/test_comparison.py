@@ -53,7 +53,7 @@ def test_json_has_what_the_table_has():
     assert report["diagnosis"]["over"] == [found.over, 0]
     assert report["regions"][0] == {"name": "sky", "over": found.regions[0].over, "pixels": found.regions[0].pixels}
     printed = str(found)
-    assert "B is flipped top to bottom (y): explains 100.0 % of the squared difference" in printed
+    assert "<theirs> is flipped top to bottom (y): explains 100.0 % of the squared difference" in printed
     assert "67.02 pixels per degree" in printed
     for region in found.regions:
         assert f"{region.over} of {region.pixels:>7} pixels over 1/255" in printed

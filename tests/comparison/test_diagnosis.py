@@ -76,7 +76,7 @@ def aces(x):
 
 
 FILMS = {
-    "without the transfer function (gamma missing)": lambda x: aces(x),
+    "without gamma (the transfer function is missing)": lambda x: aces(x),
     "with the transfer function twice (gamma twice)": lambda x: aces(x) ** (1 / 2.2**2),
     "without the tone mapper": lambda x: np.clip(x, 0, 1) ** (1 / 2.2),
     "linear light, not developed (linear for display)": lambda x: x,
@@ -108,7 +108,7 @@ def test_mistakes_of_a_film_with_exposure_and_white_balance():
     a = rendered(*changes)
     for change, mistake in {
         "film.tone_mapper=none": "without the tone mapper",
-        "film.transfer=none": "without the transfer function (gamma missing)",
+        "film.transfer=none": "without gamma (the transfer function is missing)",
         "film.exposure=0.5": "exposed 2 times as much (+1.00 stops)",
     }.items():
         assert said(a, rendered(*changes, change), scene) == mistake

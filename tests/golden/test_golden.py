@@ -241,7 +241,7 @@ def test_the_command_makes_and_checks():
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.splitlines()[-1] == "2 of 2 pass; report.html"
     assert "<table>" in Path("report.html").read_text()
-    found = command("check", "G", "--backend", "numpy", "--dtype", "float32", "--min-ssim", "1.01", "--json")
+    found = command("check", "G", "--backend", "numpy", "--dtype", "float32", "--require", "ssim>=1.01", "--json")
     assert found.returncode == 1
     first = json.loads(found.stdout)["results"][0]
     assert first["name"] == "checkerboard"
@@ -372,3 +372,41 @@ def test_a_source_may_give_files():
     (checked,) = golden_folder("g").check(lambda golden: Path("g/sphere.png"))
     assert not checked.failed
     assert checked.verification.inside
+
+
+def test_one_image_is_checked_in_one_step():
+    """Its difference, the bounds and the mistake; no golden folder, and the size is its own."""
+    image = raytrace.render("skybox", (48, 27), backend="numpy", dtype="float64")
+    raytrace.write_image("right.png", image)
+    raytrace.write_image("wrong.png", image**2.2)
+    done = command("check", "right.png", "--scene", "skybox")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "inside the bounds" in done.stdout
+    assert "1 of 1 pass; report.html" in done.stdout
+    done = command("check", "wrong.png", "--scene", "skybox", "--report", "wrong.html")
+    assert (done.returncode, done.stderr) == (1, "")
+    assert "wrong.png has no gamma (the transfer function is missing)" in done.stdout
+    assert "has no gamma" in Path("wrong.html").read_text()
+    # A file of ours says what it shows.
+    command("render", "skybox", "--size", "48x27", "-o", "ours.exr", "--backend", "numpy")
+    assert command("check", "ours.exr").returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("args", "told"),
+    [
+        (["a.png"], "a.png: does not say which scene it shows; give one (--scene)"),
+        (["a.png", "--scene", "moon"], "moon: no such scene"),
+        (["a.png", "--scene", "skybox", "--backend", "numpy"], "one IMAGE is checked by itself"),
+        (["a.png", "--set", "lighting=on"], "--set: changes a scene; give one (--scene)"),
+        (["a.png", "--scene", "skybox", "--report", "a.png"], "is an input, too"),
+        (["nowhere.png", "--scene", "skybox"], "nowhere.png: no such image"),
+    ],
+)
+def test_one_image_that_cannot_be_checked(args, told):
+    raytrace.write_image("a.png", np.zeros((16, 16, 3)))
+    done = command("check", *args)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert told in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert [path.name for path in Path().iterdir()] == ["a.png"]

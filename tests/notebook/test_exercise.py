@@ -15,7 +15,7 @@ def test_right_and_wrong_answers():
     assert check(image, "shadows").right
     wrong = check(image**2.2, "shadows")
     assert not wrong.right
-    assert "gamma missing" in wrong.hint
+    assert "without gamma" in wrong.hint
     assert "✘ wrong" in wrong._repr_html_()
     assert wrong.look()._repr_png_().startswith(b"\x89PNG")
 
