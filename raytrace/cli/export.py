@@ -17,22 +17,24 @@ from raytrace.shader.sphere import INTERSECTIONS
 
 __all__ = ["export", "view"]
 
-_ENDINGS = {"glsl": ".frag", "shaderlabweb": ".frag", "html": ".html"}
+_ENDINGS = {"glsl": ".frag", "shaderlabweb": ".frag", "html": ".html", "header": ".h", "wgsl-constants": ".wgsl"}
 
 
 def export(
     scene: Scene = DEFAULT_SCENE,
-    to: Annotated[str, typer.Option(help="glsl, shaderlabweb or html.")] = "glsl",
+    to: Annotated[
+        str, typer.Option(help="glsl, shaderlabweb, html; its numbers: header (C), wgsl-constants.")
+    ] = "glsl",
     out: Annotated[
         Path | None,
-        typer.Option("-o", "--out", help="The file; - for standard output; default: SCENE.frag or .html."),
+        typer.Option("-o", "--out", help="The file; - for standard output; default: SCENE.frag, .html, .h or .wgsl."),
     ] = None,
     size: Size = "1920x1080",
     changes: Changes = [],  # noqa: B006 (typer's way)
     intersection: Annotated[str, typer.Option(help="textbook or robust.")] = "textbook",
     data: Annotated[str, typer.Option(help="The scene's numbers as constants or uniforms (glsl).")] = "constants",
 ) -> None:
-    """Write a scene as GLSL, for ShaderLabWeb, or as a web page."""
+    """Write a scene as GLSL, as a web page, or as numbers in C or WGSL."""
     check_choice("--to", to, EXPORTS)
     check_choice("--intersection", intersection, INTERSECTIONS)
     check_choice("--data", data, ("constants", "uniforms"))
