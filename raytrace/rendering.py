@@ -1,10 +1,11 @@
 """From a scene to an image: `render`, its `Options`, and `Rendering` for images that are written band by band."""
 
 import inspect
+import logging
 import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
-from functools import lru_cache, wraps
+from functools import cache, lru_cache, wraps
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, ParamSpec, TypeVar, get_type_hints
@@ -27,6 +28,8 @@ from raytrace.shader.shadows import SHADOW_STARTS
 from raytrace.shader.sphere import INTERSECTIONS
 
 __all__ = ["Options", "Prepared", "Rendering", "check_size", "prepare", "render"]
+
+LOG = logging.getLogger("raytrace")
 
 #: Means over a pixel: of samples, or of what is on either side of its edges.
 ANTIALIAS = ("none", "edges")
@@ -149,12 +152,24 @@ class Options:
         if self.backend != "jax":
             raise InputError(f"backend {self.backend}: the scene is traced by JAX, which only backend 'jax' can render")
         check_structure(scene)
+        if self.antialias == "none" and (len(scene.planes) or np.size(scene.spheres.radius)):
+            _hint_at_edges()
         return scene
 
     def formula(self) -> str:
         """Return the formula for the sphere."""
         usual = "robust" if self.dtype == "float32" else "textbook"
         return self.intersection or BACKENDS[self.backend].intersection or usual
+
+
+@cache
+def _hint_at_edges() -> None:
+    """Log, once, what a traced image's derivative lacks."""
+    LOG.warning(
+        "the derivative of this image sees colours change, but no silhouette and no shadow move; "
+        "antialias='edges' sees them move",
+        extra={"hint": True},
+    )
 
 
 def _name_of_type(dtype: Any) -> Any:

@@ -15,6 +15,7 @@ import raytrace
 from raytrace.backends.jax import Renderer, Staged
 from raytrace.backends.job import Job
 from raytrace.language.glsl import Vec3
+from raytrace.rendering import _hint_at_edges
 from raytrace.scene import check_scene
 from raytrace.scene.to_uniforms import program_of, uniforms_of
 from raytrace.shader.film import TONE_MAPPERS, TRANSFERS, develop
@@ -99,6 +100,24 @@ def test_derivatives_are_finite_at_the_limits_of_size(size):
     scene = scaled(size)
     check_scene(scene)
     assert_finite(gradient_of_any(scene))
+
+
+def test_a_derivative_without_edges_is_told_once(caplog):
+    """Of a scene that has any; a picture that is not traced says nothing."""
+    scene = raytrace.load_scene("sphere")
+
+    def traced(scene, **choices):
+        jax.make_jaxpr(lambda scene: raytrace.render(scene, (8, 4), **choices))(scene)
+
+    with caplog.at_level("WARNING", "raytrace"):
+        _hint_at_edges.cache_clear()
+        raytrace.render(scene, (8, 4), backend="numpy")
+        traced(raytrace.load_scene("skybox"))
+        traced(scene, antialias="edges")
+        assert "antialias" not in caplog.text
+        traced(scene)
+        traced(scene)
+    assert caplog.text.count("antialias='edges' sees them move") == 1
 
 
 FILMS = list(product(TONE_MAPPERS, TRANSFERS))

@@ -1,6 +1,7 @@
 """The command line: parse, call, print."""
 
 import io
+import logging
 import os
 import sys
 from types import ModuleType
@@ -40,6 +41,8 @@ def _without_command(
         import wrapt
 
         show_waits()
+        # Hints are for those who write Python.
+        logging.getLogger("raytrace").addFilter(lambda record: not hasattr(record, "hint"))
         wrapt.register_post_import_hook(_with_all_cores, "jax")
         if largest is not None:
             from raytrace.image import largest_image
