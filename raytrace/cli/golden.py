@@ -18,6 +18,7 @@ from raytrace.golden import (
     golden_folder,
     golden_scenes,
     one_image,
+    stray_images,
     write_goldens,
     write_report,
 )
@@ -109,6 +110,7 @@ def check(
                 read_shader(shader)  # else every golden image would say that it cannot be
             source = backend_source(replace(options, backend=backend))
             what = f"backend {backend} {options.dtype}" if shader is None else f"{shader} on {backend}"
+    strays = [] if images is None else stray_images(images, (golden.name for golden in held.goldens))
     results = []
     with progress(len(held.goldens), "comparing") as advance:
         for result in held.check(source, bounds):
@@ -119,11 +121,13 @@ def check(
     write_report(report, results, what, held.extra)
     failed = sum(bool(result.failed) for result in results)
     if as_json:
-        found = {"results": [result.to_dict() for result in results], "extra": list(held.extra)}
+        found = {"results": [result.to_dict() for result in results], "extra": list(held.extra), "stray": strays}
         print(json.dumps(found, indent=1, allow_nan=False))
     else:
         for name in held.extra:
             print(f"note  {folder / name}: extra: belongs to no golden image")
+        for line in strays:
+            print(f"note  {line}")
         print(f"{len(results) - failed} of {len(results)} pass; {report}")
     if failed:
         raise typer.Exit(1)

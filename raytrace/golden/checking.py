@@ -1,6 +1,6 @@
 """Golden images against those of another renderer."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from raytrace.certificates.certificate import check_specification
 from raytrace.certificates.verify import PROPOSAL, proposal
 from raytrace.comparison import Comparison, failures
 from raytrace.comparison.inputs import Picture, file_picture, read_picture
-from raytrace.errors import EngineFailure, InputError
+from raytrace.errors import EngineFailure, InputError, did_you_mean
 from raytrace.golden.golden import Golden, usual_bounds
 from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest
 from raytrace.golden.writing import ACCEPTANCE, DISPLAY
@@ -19,7 +19,16 @@ from raytrace.rendering import Options, Rendering
 from raytrace.scene import Scene, scene_hash
 from raytrace.scene.toml import scene_from_toml
 
-__all__ = ["Checked", "GoldenFolder", "Source", "backend_source", "folder_source", "golden_folder", "one_image"]
+__all__ = [
+    "Checked",
+    "GoldenFolder",
+    "Source",
+    "backend_source",
+    "folder_source",
+    "golden_folder",
+    "one_image",
+    "stray_images",
+]
 
 #: Gives the image to check, or its file, for a golden one.
 Source = Callable[[Golden], Any]
@@ -209,6 +218,18 @@ def folder_source(folder: str | Path, kind: str | None = None, layer: str | None
         raise InputError(f"{folder}: missing: {golden.name} with one of {', '.join(endings)}")
 
     return source
+
+
+def stray_images(folder: str | Path, names: Iterable[str]) -> list[str]:
+    """Return a line for each image in a folder that is none of those scenes: a name may be misspelt."""
+    names = list(names)
+    strays = (
+        path
+        for path in sorted(Path(folder).iterdir())
+        # NAME.png, and NAME.linear.exr as a folder of golden images has it.
+        if path.suffix.lower() in FORMATS and path.name.partition(".")[0] not in names and path.stem not in names
+    )
+    return [f"{path}: is no golden image's; {did_you_mean(path.stem, names, 'there is')}" for path in strays]
 
 
 def _wrong(path: Path, sha256: str) -> str:

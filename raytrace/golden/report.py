@@ -1,14 +1,18 @@
 """The result of a check as one HTML file: a table to sort, thumbnails, and for what failed the picture of it."""
 
 import base64
+import os
 from collections.abc import Sequence
+from datetime import date
 from html import escape
+from importlib.metadata import version
 from pathlib import Path
 from string import Template
 
 import numpy as np
 
 from raytrace.comparison import Comparison, write_diff
+from raytrace.comparison.diagnosis import said
 from raytrace.files import temporary_folder, whole_file
 from raytrace.golden.checking import Checked
 from raytrace.image import write_image
@@ -35,7 +39,7 @@ th button { font: inherit; font-weight: 600; border: 0; padding: 0; background: 
 th button::after { content: " \\2195"; opacity: .4 }
 td.number { text-align: right; font-variant-numeric: tabular-nums }
 img { display: block; max-width: 100%; height: auto }
-td img { width: ${thumbnail}px }
+td img { width: ${thumbnail}px; border: 1px solid var(--line) }
 .ok { color: light-dark(#1a7f37, #57d27d) } .failed { color: light-dark(#c21f30, #ff8a8a); font-weight: 600 }
 pre { overflow-x: auto }
 </style>
@@ -68,6 +72,7 @@ for (const head of document.querySelectorAll("th button")) head.addEventListener
 _HEADS = (
     ("scene", "text"),
     ("result", "text"),
+    ("why", "text"),
     ("SSIM", "number"),
     ("worst window", "number"),
     ("over 1/255", "number"),
@@ -89,10 +94,12 @@ def write_report(path: str | Path, results: Sequence[Checked], what: str, extra:
     text = _PAGE.substitute(
         title=escape(f"{what} against golden images"),
         thumbnail=_THUMBNAIL,
-        summary=f"{len(results) - len(failed)} of {len(results)} pass. A difference's white is {_WHITE * 255:g}/255.",
+        summary=f"{len(results) - len(failed)} of {len(results)} pass, those that fail first. "
+        f"{date.today().isoformat()}, raytrace {version('raytrace')}, from {escape(os.getcwd())}. "
+        f"A difference's white is {_WHITE * 255:g}/255.",
         notes="".join(f"<p>Extra file: {escape(name)}</p>" for name in extra),
         heads="".join(_head(*head) for head in _HEADS),
-        rows="\n".join(map(_row, results)),
+        rows="\n".join(map(_row, sorted(results, key=lambda result: not result.failed))),
         details="\n".join(map(_detail, failed)),
     )
     with whole_file(Path(path)) as temporary:
@@ -109,10 +116,11 @@ def _row(result: Checked) -> str:
     cells = [
         f'<td data-key="{escape(result.name)}">{name}</td>',
         f'<td data-key="{verdict}" class="{verdict}">{verdict}</td>',
+        f'<td data-key="{escape(_why(result))}">{escape(_why(result))}</td>',
     ]
     comparison = result.comparison
     if comparison is None:
-        return f"<tr>{''.join(cells)}{'<td data-key=nan></td>' * (len(_HEADS) - 2)}</tr>"
+        return f"<tr>{''.join(cells)}{'<td data-key=nan></td>' * (len(_HEADS) - 3)}</tr>"
     ssim = comparison.ssim
     numbers = [
         (ssim.mean if ssim else np.nan, "{:.6f}"),
@@ -128,6 +136,14 @@ def _row(result: Checked) -> str:
         f'<td><img alt="{what} of {escape(result.name)}" src="{_picture(image)}"></td>' for what, image in pictures
     ]
     return f"<tr>{''.join(cells)}</tr>"
+
+
+def _why(result: Checked) -> str:
+    """The mistake in words, where one is known, and what decided that the image fails."""
+    found = None if result.comparison is None else result.comparison.diagnosis
+    if not result.failed:
+        return ""
+    return "; ".join([*([said(found.name, found.mistake)] if found else []), result.failed[0]])
 
 
 def _detail(result: Checked) -> str:

@@ -374,6 +374,19 @@ def test_a_source_may_give_files():
     assert checked.verification.inside
 
 
+def test_an_image_of_no_golden_one_is_named():
+    made("G", ("skybox",))
+    Path("I").mkdir()
+    shutil.copy("G/skybox.png", "I/skybox.png")
+    shutil.copy("G/skybox.png", "I/skibox.png")
+    Path("I/notes.txt").write_text("")
+    done = command("check", "G", "--images", "I")
+    assert done.returncode == 0
+    (line,) = (line for line in done.stdout.splitlines() if line.startswith("note"))
+    assert line == "note  I/skibox.png: is no golden image's; did you mean 'skybox'? there is: skybox"
+    assert "note" not in command("check", "G", "--images", "G").stdout
+
+
 def test_one_image_is_checked_in_one_step():
     """Its difference, the bounds and the mistake; no golden folder, and the size is its own."""
     image = raytrace.render("skybox", (48, 27), backend="numpy", dtype="float64")
