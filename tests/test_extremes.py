@@ -1,4 +1,4 @@
-"""No scene that is admitted gives a number that is none, whatever its numbers are."""
+"""No valid scene gives NaN or infinity, whatever its numbers are."""
 
 from dataclasses import replace
 

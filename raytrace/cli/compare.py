@@ -27,7 +27,8 @@ def compare(
         str | None, typer.Option(metavar="REFERENCE", help="The right image, instead of B: A's mistake is sought.")
     ] = None,
     scene: Annotated[
-        str | None, typer.Option(help="What is rendered, whose film develops linear light; default: the files' own.")
+        str | None,
+        typer.Option(help="What both show; its film develops linear light. Default: what the files say."),
     ] = None,
     changes: Changes = [],  # noqa: B006 (typer's way)
     size: Size = "1920x1080",

@@ -44,7 +44,7 @@ def requirements(texts: Iterable[str]) -> dict[str, float]:
     """Return bounds by the names of `BOUNDS` that texts such as ``"ssim>=0.9999"`` or ``"flip-999<=0.1"`` require.
 
     Raises:
-        InputError: a text is none, its metric is unknown or is bounded from the other side, or its bound is no number.
+        InputError: a text has another form, its metric is unknown or needs the other sign, or its bound is not a number.
     """
     bounds = {}
     for text in texts:
@@ -61,7 +61,7 @@ def requirements(texts: Iterable[str]) -> dict[str, float]:
         try:
             bounds[name] = float(limit)
         except ValueError:
-            raise InputError(f"require: {text}: {limit!r} is no number") from None
+            raise InputError(f"require: {text}: {limit!r} is not a number") from None
     return bounds
 
 

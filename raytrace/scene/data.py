@@ -67,7 +67,7 @@ def _as_array(value: Any, name: str) -> Any:
     """Numbers, sequences of them and arrays of integers as float64 arrays; records, and all that is traced, as is.
 
     Raises:
-        InputError: a sequence holds something that is no number, or that is traced.
+        InputError: a sequence holds something that is not a number, or that is traced.
     """
     if isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "f":
         return value

@@ -67,7 +67,7 @@ def tonemap_and_gamma_correct(x: Vec3, program: Program) -> Vec3:
     """Display values in [0, 1] of linear light: the tone mapper, a clamp, the transfer function.
 
     The tone mapper is given at most `BRIGHTEST`, which every one of them takes for white as it does all above: it
-    squares its argument, and infinity divided by itself is no number.
+    squares its argument, and infinity divided by itself is NaN.
     """
     tone_mapper, transfer = named(TONE_MAPPERS, program.tone_mapper), named(TRANSFERS, program.transfer)
     return transfer(clamp(tone_mapper(minimum(x, BRIGHTEST)), 0, 1))

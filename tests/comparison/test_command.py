@@ -118,7 +118,7 @@ BAD_INPUT = [
     (["a.png", "b.png", "--scene", "moon"], "moon: no such scene"),
     (["a.png", "b.png", "--set", "lighting='on'"], "--set: changes a scene; give one (--scene)"),
     (["a.png", "b.png", "--a-is", "log"], "kind of values: unknown 'log'"),
-    (["a.png", "b.png", "--require", "ssim>=high"], "require: ssim>=high: 'high' is no number"),
+    (["a.png", "b.png", "--require", "ssim>=high"], "require: ssim>=high: 'high' is not a number"),
     (["a.png", "b.png", "--require", "ssim<=1"], "require: ssim<=1: ssim is bounded by >="),
     (["a.png", "b.png", "--require", "sim>=1"], "require: sim>=1: unknown 'sim'; did you mean 'ssim'?"),
     (["a.png", "b.png", "--require", "ssim"], "require: must be like 'ssim>=0.9999'"),

@@ -51,7 +51,7 @@ class IntervalNamespace:
             return Interval(nearest, nearest, self)
         if not self.model.float32:
             return Interval(*widened(nearest, nearest, 0.0, self.model), self)
-        # A decimal's neighbours; what is no decimal stands as a quotient of two.
+        # A decimal's neighbours; a number that has no finite decimal expansion is a quotient of two.
         denominator = value.denominator
         for factor in (2, 5):
             while denominator % factor == 0:
