@@ -44,7 +44,7 @@ def requirements(texts: Iterable[str]) -> dict[str, float]:
     """Return bounds by the names of `BOUNDS` that texts such as ``"ssim>=0.9999"`` or ``"flip-999<=0.1"`` require.
 
     Raises:
-        InputError: a text has another form, its metric is unknown or needs the other sign, or its bound is not a number.
+        InputError: a text has another form, a metric is unknown or needs the other sign, or a bound is not a number.
     """
     bounds = {}
     for text in texts:
