@@ -62,7 +62,7 @@ class Options:
     backend: Annotated[str, "jax, numpy, opengl or webgl."] = "jax"
     dtype: Annotated[str, "float32; jax, numpy: float64; numpy: longdouble."] = "float32"
     samples: Annotated[int, "n for n x n samples a pixel."] = 1
-    output: Annotated[str, "display, linear or steps; default: linear for .exr, otherwise display."] = "display"
+    output: Annotated[str, "display, linear or steps."] = "display"
     intersection: Annotated[str | None, "textbook or robust; default: robust in float32 only."] = None
     shadow_start: Annotated[
         str, "offset, the assignment's 1e-3 along the normal; jax, numpy: surface, which has no scale."

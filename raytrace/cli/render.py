@@ -23,10 +23,8 @@ __all__ = ["pixel", "render"]
 
 @taking_options(
     "size",
-    "backend",
     "dtype",
     "samples",
-    "output",
     "intersection",
     "shadow_start",
     "antialias",
@@ -35,12 +33,16 @@ __all__ = ["pixel", "render"]
     "shader",
     "uniforms",
     "time_limit",
-    backend=None,
-    output=None,
 )
 def render(
     options: Options,
     scene: Scene = DEFAULT_SCENE,
+    backend: Annotated[
+        str | None, typer.Option(help="jax, numpy, opengl or webgl; default: jax, with --shader opengl.")
+    ] = None,
+    output: Annotated[
+        str | None, typer.Option(help="display, linear or steps; default: linear for .exr, otherwise display.")
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -61,13 +63,12 @@ def render(
     ] = False,
 ) -> None:
     """Render a scene to an image file."""
-    if options.backend is None:
-        options = replace(options, backend="jax" if options.shader is None else "opengl")
+    options = replace(options, backend=backend or ("jax" if options.shader is None else "opengl"))
     if str(out) == STANDARD_OUTPUT:
         with temporary_folder() as folder:
             file = folder / "image.png"
-            scene_and_output = {"scene": load_scene(scene, changes), "output": options.output or "display"}
-            _to_file(Rendering(replace(options, **scene_and_output)), file, bits, quiet=True)
+            rendering = Rendering(replace(options, scene=load_scene(scene, changes), output=output or "display"))
+            _to_file(rendering, file, bits, quiet=True)
             sys.stdout.buffer.write(file.read_bytes())
         return
     out = out or Path(f"{Path(scene).stem}.png")
@@ -76,8 +77,9 @@ def render(
     if together and options.backend != "jax":
         raise InputError(f"backend {options.backend}: only jax renders on several hosts")
     with _programs(options.backend, cache), _joined(together, coordinator, hosts, process_id, wait) as writes:
-        output = options.output or file_format(out).output
-        rendering = Rendering(replace(options, scene=load_scene(scene, changes), output=output))
+        rendering = Rendering(
+            replace(options, scene=load_scene(scene, changes), output=output or file_format(out).output)
+        )
         if writes:
             _to_file(rendering, out, bits)
         else:
