@@ -117,7 +117,7 @@ def test_both_modes_agree(name):
 def test_an_edge_that_moves_has_the_derivative_of_its_coverage():
     """The slanting horizon of a plain ground: the mean's derivative is nearly what NumPy's images differ by.
 
-    Without edges it would be a tenth of that. The sky's colour changes within a pixel, of which there are few here.
+    Not exactly: the sky's colour changes within a pixel, of which there are few here.
     """
     scene = ground()
     scene = replace(scene, camera=replace(scene.camera, up=[0.3, 1, 0]))

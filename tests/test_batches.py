@@ -17,7 +17,7 @@ SIZE = (19, 11)
 def test_each_is_the_scene_s_own_picture(engine, monkeypatch):
     monkeypatch.setattr(batches, "PIXELS", 2 * SIZE[0] * SIZE[1])
     lit = raytrace.load_scene("lit-sphere")
-    scenes = [lit, "skybox", *(replace(lit, spheres=crowd(n).spheres) for n in (3, 5))]
+    scenes = [lit, "skybox", replace(lit, spheres=crowd(3).spheres), crowd(2), replace(lit, spheres=crowd(5).spheres)]
     images = raytrace.render_each(scenes, SIZE, engine=engine, output="linear")
     assert len(images) == len(scenes)
     assert_each(images, scenes, output="linear")

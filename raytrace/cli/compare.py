@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Changes, Layer, Require, Size, check_outputs, size_of
+from raytrace.cli.options import Changes, Layer, Require, Size, check_outputs, scene_if_given, size_of
 from raytrace.comparison import NotFinite, failures, matrix, requirements, write_diff
 from raytrace.comparison import compare as compare_images
 from raytrace.errors import InputError
@@ -60,14 +60,13 @@ def compare(
         b = against
     if a is None or b is None:
         raise InputError("compare: takes two images, A and B; or one and --against REFERENCE; or --matrix")
-    if changes and scene is None:
-        raise InputError("--set: changes a scene; give one (--scene)")
+    known = scene_if_given(scene, changes)
     check_outputs([diff], [a, b, scene])
     try:
         comparison = compare_images(
             a,
             b,
-            scene=None if scene is None else load_scene(scene, changes),
+            scene=known,
             size=size_of(size),
             kinds=(a_is, b_is),
             diagnose=diagnose,

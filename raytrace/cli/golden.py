@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from raytrace.cli.options import Changes, Layer, Require, Size, check_outputs, size_of, taking_options
+from raytrace.cli.options import Changes, Layer, Require, Size, check_outputs, scene_if_given, size_of, taking_options
 from raytrace.cli.waits import progress
 from raytrace.comparison import requirements
 from raytrace.errors import InputError
@@ -24,7 +24,6 @@ from raytrace.golden import (
 )
 from raytrace.golden.manifest import MANIFEST
 from raytrace.rendering import Options
-from raytrace.scene import load_scene
 
 __all__ = ["check", "golden"]
 
@@ -89,9 +88,7 @@ def check(
     if folder.is_file():
         if images is not None or backend is not None:
             raise InputError("check: one IMAGE is checked by itself, without --images, --backend and --shader")
-        if changes and scene is None:
-            raise InputError("--set: changes a scene; give one (--scene)")
-        known = None if scene is None else load_scene(scene, changes)
+        known = scene_if_given(scene, changes)
         with progress(1, "bounding every pixel") as advance:
             held, source = one_image(folder, known, kind, layer, done=advance)
         what = str(folder)

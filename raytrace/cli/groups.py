@@ -54,12 +54,14 @@ MEASUREMENTS = {
     "gradients": Place("inverse", "gradients"),
     "sun-trials": Place("inverse", "sun_trials"),
 }
-#: All commands by name. Measurements may also be asked for without `measure`.
+#: All of them by name. Measurements may also be asked for without `measure`.
 COMMANDS = {name: place for group in (*GROUPS.values(), MEASUREMENTS) for name, place in group.items()}
 
 
 def command(name: str) -> Any:
     """Return the command of that name, imported."""
+    if name == MEASURE:
+        return _measure()
     place = COMMANDS[name]
     alone = typer.Typer(**PLAIN)
     alone.command(name)(getattr(import_module(f"raytrace.cli.{place.module}"), place.function))
@@ -99,20 +101,11 @@ class Measurements(_Lazy):
 class Commands(_Lazy):
     """All commands."""
 
-    groups: ClassVar = GROUPS
+    groups: ClassVar = GROUPS | {f"Measure raytrace: 'raytrace {MEASURE} ...'": MEASUREMENTS}
 
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        if cmd_name == MEASURE:
-            return _measure()
-        if cmd_name in MEASUREMENTS and cmd_name not in self.commands:
-            self.commands[cmd_name] = None
-        return super().get_command(ctx, cmd_name)
-
-    def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write a section for each group, and one for the measurements."""
-        super().format_commands(ctx, formatter)
-        with formatter.section(f"Measure raytrace: 'raytrace {MEASURE} ...'"):
-            formatter.write_dl([(name.ljust(11), _summary(place)) for name, place in MEASUREMENTS.items()])
+    def __init__(self, **attributes: Any):
+        super().__init__(**attributes)
+        self.commands[MEASURE] = None
 
 
 def _measure() -> Any:

@@ -11,6 +11,8 @@ import typer
 
 from raytrace.errors import InputError
 from raytrace.rendering import Options, check_size
+from raytrace.scene import Scene as SceneOf
+from raytrace.scene import load_scene
 
 __all__ = [
     "STANDARD_OUTPUT",
@@ -20,6 +22,7 @@ __all__ = [
     "Scene",
     "Size",
     "check_outputs",
+    "scene_if_given",
     "size_of",
     "taking_options",
 ]
@@ -105,6 +108,17 @@ def _uniforms_of(texts: list[str]) -> dict[str, Any]:
     from raytrace.glsl.matching import parse_uniforms
 
     return parse_uniforms(texts)
+
+
+def scene_if_given(scene: str | None, changes: list[str]) -> SceneOf | None:
+    """Return the scene of an option, with changes; ``None`` where there is neither.
+
+    Raises:
+        InputError: there are changes and no scene; or the scene is wrong.
+    """
+    if changes and scene is None:
+        raise InputError("--set: changes a scene; give one (--scene)")
+    return None if scene is None else load_scene(scene, changes)
 
 
 def size_of(text: str) -> tuple[int, int]:

@@ -64,24 +64,21 @@ def render(
 ) -> None:
     """Render a scene to an image file."""
     options = replace(options, backend=backend or ("jax" if options.shader is None else "opengl"))
-    if str(out) == STANDARD_OUTPUT:
-        with temporary_folder() as folder:
-            file = folder / "image.png"
-            rendering = Rendering(replace(options, scene=load_scene(scene, changes), output=output or "display"))
-            _to_file(rendering, file, bits, quiet=True)
-            sys.stdout.buffer.write(file.read_bytes())
-        return
     out = out or Path(f"{Path(scene).stem}.png")
     check_outputs([out], [scene, options.shader])
     together = scheduled or any(value is not None for value in (coordinator, hosts, process_id))
     if together and options.backend != "jax":
         raise InputError(f"backend {options.backend}: only jax renders on several hosts")
     with _programs(options.backend, cache), _joined(together, coordinator, hosts, process_id, wait) as writes:
-        rendering = Rendering(
-            replace(options, scene=load_scene(scene, changes), output=output or file_format(out).output)
-        )
-        if writes:
-            _to_file(rendering, out, bits)
+        to_file = str(out) != STANDARD_OUTPUT
+        output = output or (file_format(out).output if to_file else "display")
+        rendering = Rendering(replace(options, scene=load_scene(scene, changes), output=output))
+        if writes and to_file:
+            print(f"{out}: {_to_file(rendering, out, bits)}")
+        elif writes:
+            with temporary_folder() as folder:
+                _to_file(rendering, folder / "image.png", bits)
+                sys.stdout.buffer.write((folder / "image.png").read_bytes())
         else:
             rendering.compile()
             for _ in rendering.bands():
@@ -106,8 +103,8 @@ def _programs(backend: str, cache: bool) -> AbstractContextManager:
     return not_stored()
 
 
-def _to_file(rendering: Rendering, out: Path, bits: int | None, quiet: bool = False) -> None:
-    """Renders band by band, each of which is written before the next, and says how long it took."""
+def _to_file(rendering: Rendering, out: Path, bits: int | None) -> str:
+    """Render band by band, each of which is written before the next; return how long it took, in words."""
     width, height, _ = rendering.frame
     seconds = 0.0
     with (
@@ -125,11 +122,9 @@ def _to_file(rendering: Rendering, out: Path, bits: int | None, quiet: bool = Fa
             file.write(band)
             advance(rendering.band_height)
             started = time.perf_counter()
-    if quiet:
-        return
     compiled = f", after compiling for {compiling:.2f} s" if compiling >= 0.01 else ""
     what = f"{width}x{height}, {rendering.options.backend} {rendering.options.dtype}"
-    print(f"{out}: {what}, rendered in {seconds:.3f} s{compiled}")
+    return f"{what}, rendered in {seconds:.3f} s{compiled}"
 
 
 @taking_options(

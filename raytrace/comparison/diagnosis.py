@@ -22,7 +22,7 @@ from raytrace.comparison.wrong_films import channel_mistakes, film_mistakes
 from raytrace.comparison.wrong_views import WrongView, resampled, views
 from raytrace.scene import Scene
 
-__all__ = ["Diagnosis", "diagnosis", "said"]
+__all__ = ["Diagnosis", "diagnosis"]
 
 #: Of the squared difference over 1/255, at least.
 _EXPLAINED = 0.9
@@ -35,14 +35,6 @@ _RANKED = 1 << 17
 _WEIGHED = 3
 #: Of the squared difference between A and B, at most, is between A and its scene: then A is the scene's image.
 _SAME = 0.05
-
-
-def said(name: str, mistake: str) -> str:
-    """Return the sentence that an image of that name shows a mistake: "mine.png has no tone mapper"."""
-    for words, verb in (("without the ", "has no "), ("without ", "has no "), ("with ", "has ")):
-        if mistake.startswith(words):
-            return f"{name} {verb}{mistake.removeprefix(words)}"
-    return f"{name} is {mistake}"
 
 
 class Diagnosis(NamedTuple):
@@ -61,10 +53,17 @@ class Diagnosis(NamedTuple):
     over: tuple[int, int]
     name: str = "B"
 
+    @property
+    def sentence(self) -> str:
+        """Return the mistake as a sentence: "mine.png has no tone mapper"."""
+        for words, verb in (("without the ", "has no "), ("without ", "has no "), ("with ", "has ")):
+            if self.mistake.startswith(words):
+                return f"{self.name} {verb}{self.mistake.removeprefix(words)}"
+        return f"{self.name} is {self.mistake}"
+
     def __str__(self) -> str:
-        sentence = said(self.name, self.mistake)
         return (
-            f"{sentence}: explains {100 * self.explained:.1f} % of the squared difference over 1/255; "
+            f"{self.sentence}: explains {100 * self.explained:.1f} % of the squared difference over 1/255; "
             f"RMSE {self.rmse[0]:.4g} -> {self.rmse[1]:.4g}, pixels over 1/255 {self.over[0]} -> {self.over[1]}"
         )
 

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from raytrace.comparison.diagnosis import said
 from raytrace.comparison.metrics import LEVEL
 from raytrace.comparison.result import Comparison
 from raytrace.files import check_figure, save_figure
@@ -85,6 +84,5 @@ def _worst(steps: np.ndarray, apart: int) -> list[tuple[int, int]]:
 def _summary(comparison: Comparison) -> str:
     similarity = "undefined" if comparison.ssim is None else f"{comparison.ssim.mean:.6f}"
     over = f"{comparison.over} pixels over 1/255 ({100 * comparison.share:.3g} %)"
-    found = comparison.diagnosis
-    mistake = "" if found is None else f"\n{said(found.name, found.mistake)}"
+    mistake = "" if comparison.diagnosis is None else f"\n{comparison.diagnosis.sentence}"
     return f"SSIM {similarity}, RMSE {comparison.rmse:.4g}, FLIP {comparison.flip.mean:.4g}, {over}{mistake}"

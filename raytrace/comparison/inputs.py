@@ -25,6 +25,7 @@ __all__ = [
     "finite",
     "read_picture",
     "rendering_of",
+    "scene_in",
     "usual_kind",
 ]
 
@@ -154,7 +155,7 @@ def read_picture(source: Any, name: str, kind: str | None, with_scene: bool, lay
     if not isinstance(source, str | Path):
         return Picture(name, finite(_values(source, name), name), kind or "display", _depth(source), None)
     picture = file_picture(source, name, kind, layer)
-    scene = _scene_in(picture.metadata, name) if with_scene else None
+    scene = scene_in(picture.metadata, name) if with_scene else None
     return replace(picture, values=finite(picture.values, name), scene=scene)
 
 
@@ -193,8 +194,8 @@ def _depth(array: Any) -> Depth:
     return Depth(8) if of_8_bits else own
 
 
-def _scene_in(metadata: Mapping[str, str], name: str) -> Scene | None:
-    """The scene that a file of ours was rendered from."""
+def scene_in(metadata: Mapping[str, str], name: str) -> Scene | None:
+    """Return the scene that a file of ours was rendered from; ``None`` of any other file."""
     if "scene" not in metadata:
         return None
     return scene_from_toml(metadata["scene"], f"{name}: the scene in its metadata")

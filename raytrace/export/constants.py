@@ -13,11 +13,10 @@ __all__ = ["c_header", "wgsl_constants"]
 
 
 class _Language(NamedTuple):
-    """How a language writes constants: a float; an array of floats, of a shape, by its name."""
+    """How a language writes constants by their names: a whole number; floats, perhaps those of `several` things."""
 
-    comment: str
     whole: Callable[[str, int], str]
-    floats: Callable[[str, np.ndarray], str]
+    floats: Callable[[str, np.ndarray, bool], str]
 
 
 def c_header(scene: Scene, size: tuple[int, int], *, intersection: str = "textbook", data: str = "constants") -> str:
@@ -43,21 +42,20 @@ def wgsl_constants(
 def _constants(scene: Scene, size: tuple[int, int], language: _Language) -> str:
     values = values_of(uniforms_of(scene, size[0] / size[1]))
     lines = [
-        f"{language.comment} A scene's numbers at {size[0]}x{size[1]}: float32, exactly; matrices column by column.",
+        f"// A scene's numbers at {size[0]}x{size[1]}: float32, exactly; matrices column by column.",
         language.whole("imageWidth", size[0]),
         language.whole("imageHeight", size[1]),
     ]
     for name, value in values.items():
         if not isinstance(value, list):
-            lines.append(language.floats(name, np.asarray(value, np.float32)))
+            lines.append(language.floats(name, np.asarray(value, np.float32), False))
         elif name != "shadowPlanes":
             one = name.removesuffix("s")
             lines.append(language.whole(f"{one}Count", len(value)))
             for member in value[0] if value else ():
                 column = np.array([each[member] for each in value], np.float32)
-                lines.append(language.floats(f"{one}{member[0].upper()}{member[1:]}", column))
-    casting = [int(plane.casts_shadow) for plane in scene.planes]
-    lines += [language.whole(f"plane{i}CastsShadow", casts) for i, casts in enumerate(casting) if casts]
+                lines.append(language.floats(f"{one}{member[0].upper()}{member[1:]}", column, True))
+    lines += [language.whole(f"plane{i}CastsShadow", 1) for i, plane in enumerate(scene.planes) if plane.casts_shadow]
     return "\n".join([*lines, ""])
 
 
@@ -68,7 +66,7 @@ def _float(x: Any) -> str:
     return text if any(mark in text for mark in ".e") else f"{text}.0"
 
 
-def _c_floats(name: str, array: np.ndarray) -> str:
+def _c_floats(name: str, array: np.ndarray, several: bool) -> str:
     def braced(part: Any) -> str:
         return f"{_float(part)}f" if part.ndim == 0 else f"{{{', '.join(map(braced, part))}}}"
 
@@ -79,24 +77,23 @@ def _c_floats(name: str, array: np.ndarray) -> str:
 _WGSL_TYPES = {3: "vec3<f32>", 9: "mat3x3<f32>", 16: "mat4x4<f32>"}
 
 
-def _wgsl_floats(name: str, array: np.ndarray) -> str:
-    def made(part: Any) -> tuple[str, str]:
-        """A constant's type and value."""
-        if np.ndim(part) == 0:
-            return "f32", _float(part)
-        if np.ndim(part) == 1 and name not in several:
-            kind = _WGSL_TYPES[len(part)]
-            return kind, f"{kind}({', '.join(map(_float, part))})"
-        several.discard(name)
-        members = list(map(made, part))
-        kind = f"array<{members[0][0]}, {len(members)}>"
-        return kind, f"{kind}({', '.join(value for _, value in members)})"
+def _wgsl_value(part: Any) -> tuple[str, str]:
+    """The type and the text of a number, a vector or a matrix."""
+    if np.ndim(part) == 0:
+        return "f32", _float(part)
+    kind = _WGSL_TYPES[len(part)]
+    return kind, f"{kind}({', '.join(map(_float, part))})"
 
-    # An array of numbers is no vector: only a sphere's or a plane's member has one for each of them.
-    several = {name} if name.startswith(("sphere", "plane")) else set()
-    kind, value = made(array)
+
+def _wgsl_floats(name: str, array: np.ndarray, several: bool) -> str:
+    if not several:
+        kind, value = _wgsl_value(array)
+    else:
+        kinds, values = zip(*map(_wgsl_value, array), strict=True)
+        kind = f"array<{kinds[0]}, {len(kinds)}>"
+        value = f"{kind}({', '.join(values)})"
     return f"const {name}: {kind} = {value};"
 
 
-C = _Language("//", lambda name, n: f"enum {{ {name} = {n} }};", _c_floats)
-WGSL = _Language("//", lambda name, n: f"const {name}: u32 = {n}u;", _wgsl_floats)
+C = _Language(lambda name, n: f"enum {{ {name} = {n} }};", _c_floats)
+WGSL = _Language(lambda name, n: f"const {name}: u32 = {n}u;", _wgsl_floats)

@@ -9,7 +9,7 @@ from raytrace.certificates import Certificate, Verification, certify, read_certi
 from raytrace.certificates.certificate import check_specification
 from raytrace.certificates.verify import PROPOSAL, proposal
 from raytrace.comparison import Comparison, failures
-from raytrace.comparison.inputs import Picture, file_picture, read_picture
+from raytrace.comparison.inputs import Picture, file_picture, read_picture, scene_in
 from raytrace.errors import EngineFailure, InputError, did_you_mean
 from raytrace.golden.golden import Golden, usual_bounds
 from raytrace.golden.manifest import MANIFEST, file_hash, read_manifest
@@ -171,9 +171,9 @@ def one_image(
     """
     path = Path(path)
     picture = file_picture(path, kind=kind, layer=layer)
-    if scene is None and "scene" not in picture.metadata:
+    known = scene or scene_in(picture.metadata, str(path))
+    if known is None:
         raise InputError(f"{path}: does not say which scene it shows; give one (--scene)")
-    known = scene or scene_from_toml(picture.metadata["scene"], f"{path}: the scene in its metadata")
     height, width, _ = picture.values.shape
     bounds = certify(
         known, (width, height), precision="glsl-highp", done=lambda pixels: done(pixels / (width * height))

@@ -12,7 +12,6 @@ from string import Template
 import numpy as np
 
 from raytrace.comparison import Comparison, write_diff
-from raytrace.comparison.diagnosis import said
 from raytrace.files import temporary_folder, whole_file
 from raytrace.golden.checking import Checked
 from raytrace.image import write_image
@@ -113,10 +112,11 @@ def _head(name: str, kind: str) -> str:
 def _row(result: Checked) -> str:
     verdict = "failed" if result.failed else "ok"
     name = f'<a href="#{escape(result.name)}">{escape(result.name)}</a>' if result.failed else escape(result.name)
+    why = escape(_why(result))
     cells = [
         f'<td data-key="{escape(result.name)}">{name}</td>',
         f'<td data-key="{verdict}" class="{verdict}">{verdict}</td>',
-        f'<td data-key="{escape(_why(result))}">{escape(_why(result))}</td>',
+        f'<td data-key="{why}">{why}</td>',
     ]
     comparison = result.comparison
     if comparison is None:
@@ -143,7 +143,7 @@ def _why(result: Checked) -> str:
     found = None if result.comparison is None else result.comparison.diagnosis
     if not result.failed:
         return ""
-    return "; ".join([*([said(found.name, found.mistake)] if found else []), result.failed[0]])
+    return "; ".join([*([found.sentence] if found else []), result.failed[0]])
 
 
 def _detail(result: Checked) -> str:

@@ -100,7 +100,7 @@ def test_what_is_not_seen_changes_nothing():
     center = world.spheres.center.copy()
     center[0] = world.camera.position + np.array([0, 0, 9.0])
     world = replace(world, spheres=replace(world.spheres, center=center))
-    for each in of(world, "sphere's x", "first radius", size=(24, 12), scanlines=2).values():
+    for each in of(world, "sphere's x", "first radius", scanlines=4).values():
         assert not each.image.any()
         assert not each.blocks.any()
 
